@@ -58,6 +58,25 @@ def running_browser() -> Iterator[Any]:
             browser.close()
 
 
+AXE = Path(__file__).parent.parent / "page" / "node_modules" / "axe-core" / "axe.min.js"
+VIOLATIONS = """() => axe.run(document, { resultTypes: ["violations"] }).then(({ violations }) =>
+  violations.flatMap(({ id, nodes }) => nodes.map(({ target, failureSummary: why }) =>
+    `${id}: ${target.join(" ")}: ${why}`)))"""
+
+
+def axe_script() -> str:
+    """Checks of a page's accessibility; skips where `npm ci` of page/ has not brought them.
+
+    They must be there where a browser is required and npm is.
+    """
+    if AXE.is_file():
+        return AXE.read_text(encoding="utf-8")
+    without = "axe-core is not here: `npm ci` in page/ brings it"
+    required = os.environ.get("SKINFIELD_BROWSER") == "required" and shutil.which("npm")
+    assert not required, without
+    pytest.skip(without)
+
+
 class Served:
     """A `skinfield` command that serves the page.
 
@@ -253,6 +272,18 @@ class Look:
             return late > -0.021 && (late < 0.021 || skinfield.state.updates > before + 4); }""",
             [t_s, before],
         )
+
+    def accessible(self) -> list[str]:
+        """What axe finds wrong with the page as it is now, in both themes."""
+        if not self.value("Boolean(window.axe)"):
+            self.value(axe_script())
+        found: list[str] = []
+        for _ in range(2):
+            theme = self.value("document.documentElement.dataset.theme")
+            self.page.wait_for_timeout(200)  # colours change slowly
+            found += [f"{theme}: {each}" for each in self.value(VIOLATIONS)]
+            self.value("document.getElementById('theme').click()")  # below a dialog, too
+        return found
 
     def draw(self) -> None:
         """Wait until the page shows what it knows."""

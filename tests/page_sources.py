@@ -126,5 +126,8 @@ class NotingController(Controller):
     def prepare(self) -> None:
         pass
 
+    def prepare_common(self) -> None:
+        pass
+
     def leave(self, browser: str) -> None:
         self.left.append(browser)

@@ -10,10 +10,10 @@ from scipy import stats
 
 import skinfield as sf
 from skinfield.elastic import Layer
-from skinfield.emulator import VirtualSettings, VirtualSkin, world
+from skinfield.emulator import VirtualSettings, VirtualSkin, press_tables
+from skinfield.emulator.press_tables import FORCES, PressTable
 from skinfield.emulator.scenes import SOFT, SceneTool
 from skinfield.emulator.settings import HabitsName
-from skinfield.emulator.world import FORCES, PressTable
 from skinfield.errors import FileError, InputError
 from skinfield.lab.habit_cases import FOAM, HabitCases
 from skinfield.lab.scenarios import scenario_from_toml
@@ -249,7 +249,7 @@ def test_a_rig_presses_a_skin_that_is_not_as_stated():
 def test_the_virtual_skin_has_the_same_habits(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     table = PressTable(1.0, np.zeros(FORCES), np.ones((FORCES, 5)))
-    monkeypatch.setattr(world, "solve_table", lambda *_: table)
+    monkeypatch.setattr(press_tables, "solve_table", lambda *_: table)
     assert set(get_args(HabitsName)) == set(HABITS)
     settings = VirtualSettings(
         hardware="cyskin", habits="real", scene="idle", control="", at_once=True, seed=3,

@@ -55,7 +55,7 @@ def look(opened: Look, skin: Served) -> Iterator[Look]:
         opened.at("back-to-live").click()
         opened.until("skinfield.state.hello.mode === 'live' && skinfield.state.lastUpdate")
     opened.page.keyboard.press("Escape")
-    opened.until("skinfield.state.truth.length === 0")
+    opened.until("skinfield.state.truth.length + skinfield.state.contacts.length === 0")
     assert opened.wrong == [], "\n".join(skin.said)
     assert opened.value("skinfield.state.malformed") == []
 

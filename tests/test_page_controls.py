@@ -33,9 +33,12 @@ class Skin:
         self.scenes: list[str] = []
         self.notes: list[str] = []
         self.waits: list[str] = []
+        self.tools: list[tuple[str, float]] = []
 
     def ask(self, command):
         do, id = command["do"], command.get("id")
+        if do == "prepare":
+            self.tools.append((command["shape"], command["radius"]))
         if do == "press":
             if command["force"] > 2.0:
                 raise InputError(f"force is {command['force']:g} N, expected 2 N at most")
@@ -106,6 +109,19 @@ def test_what_the_skin_let_go_is_told_and_gone(case) -> None:
     assert case.said == ["a press was let go: too hard"]
     assert case.presser.placed == 0
     assert not case.presser.preparing
+
+
+def test_common_tools_are_prepared_and_others_when_they_are_asked_for(case) -> None:
+    case.presser.prepare_common()
+    offered = case.presser.offer()["common"]
+    assert sorted(case.skin.tools) == sorted((s, r) for s in offered for r in offered[s])
+    assert {("ball", 5e-3), ("ball", 10e-3), ("ball", 20e-3), ("flat", 3e-3)} < {*case.skin.tools}
+    case.presser.prepare("flat", 4.4e-3)
+    assert case.skin.tools[-1] == ("flat", 4.4e-3)
+    for shape, radius in (("cone", 5e-3), ("ball", 0.0), ("ball", 0.5)):
+        with pytest.raises(InputError, match=r"shape|radius"):
+            case.presser.prepare(shape, radius)
+    assert case.presser.tools() == {"ready": [], "preparing": []}
 
 
 def test_presses_go_with_their_browser(case) -> None:

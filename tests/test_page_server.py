@@ -20,7 +20,8 @@ from websockets.sync.client import ClientConnection, connect
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.page.notes import viewer_notes
+from skinfield.estimate.contact_table import COLUMNS
+from skinfield.page.page_state import viewer_notes
 from skinfield.page.scene_layout import PlacedPatch, SceneLayout
 from skinfield.page.server import Page, serve_page
 from skinfield.page.session import FULL, HUNG
@@ -203,6 +204,20 @@ def test_an_update_is_the_estimate(page: Page, source: StillSource) -> None:
     assert contact["force"] == found["normal_force"]
     apart = np.subtract(contact["position"], told["truth"][0]["position"])
     assert np.linalg.norm(apart) < 2e-3  # in one picture, whatever its frame
+
+
+def test_an_update_has_the_rows_of_the_table_of_contacts(page: Page, source: StillSource) -> None:
+    source.read(1.2)
+    with socket(page) as talk:
+        columns = following(talk, "hello")["columns"].split(",")
+        assert columns == [*COLUMNS, "track", "patch"]
+        head, _ = following_update(talk, condition=lambda head: len(head["contacts"]) == 1)
+    (line,), (contact,) = head["rows"], head["contacts"]
+    row = dict(zip(columns, line.split(","), strict=True))
+    assert int(row["stamp_ns"]) == head["stamp_ns"]
+    assert float(row["force_N"]) == pytest.approx(contact["force"], rel=1e-6)
+    assert float(row["x_m"]) == pytest.approx(contact["x"], abs=1e-7)
+    assert (int(row["track"]), row["patch"]) == (contact["track"], "hexagon72")
 
 
 @pytest.mark.parametrize(("relative", "unit"), [(False, "Pa"), (True, "relative")])

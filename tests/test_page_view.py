@@ -16,7 +16,7 @@ from browser import DESK, ENDS, PATIENCE, Look, Served, looking, running_browser
 from live_skins import unique_name
 from page_gestures import Hand
 from page_sources import StillSource
-from replay_sample import PERIOD, Known, write
+from replay_sample import PERIOD, ROWS, Known, write
 
 from skinfield.page.server import serve_page
 from skinfield.page.settings import PageSettings
@@ -100,6 +100,41 @@ def test_it_plays_at_the_asked_speed_and_starts_again_at_the_end(look: Look) -> 
     look.until("skinfield.state.controls.replay.playing && skinfield.state.lastUpdate.time_s < 2")
     look.page.keyboard.press("Space")
     look.until("!skinfield.state.controls.replay.playing")
+
+
+def test_it_steps_by_readings_and_loops(look: Look) -> None:
+    look.stand_still()
+    look.seek(1.0)
+    first = look.value("skinfield.state.lastUpdate.time_s")
+    period = PERIOD / SECOND
+    for button, time_s in (("step-on", first + period), ("step-back", first)):
+        look.at(button).click()
+        look.until("(t) => Math.abs(skinfield.state.lastUpdate.time_s - t) < 1e-3", time_s)
+    look.at("loop").click()
+    look.until("skinfield.state.controls.replay.loop")
+    end = look.value("skinfield.state.hello.replay.end_s")
+    look.seek(end - 0.2)
+    look.at("speed").select_option("1")
+    look.at("play").click()
+    look.until("(end) => skinfield.state.lastUpdate.time_s < end / 2", end)
+    look.at("play").click()
+    look.until("!skinfield.state.controls.replay.playing")
+    look.at("loop").click()
+    look.until("!skinfield.state.controls.replay.loop")
+
+
+def test_its_timeline_is_drawn_and_its_contacts_are_saved(look: Look, made: list[Known]) -> None:
+    inked = """() => { const it = document.getElementById("time-strip");
+      const { data } = it.getContext("2d").getImageData(0, 0, it.width, it.height);
+      return data.filter((value, i) => i % 4 === 3 && value > 0).length / (data.length / 4); }"""
+    look.until(f"({inked})() > 0.15")
+    assert look.at("replay-events").locator("option").count() > 1
+    with look.page.expect_download() as saved:
+        look.at("export-csv").click()
+    lines = Path(saved.value.path()).read_text().splitlines()
+    contacts = sum(len(np.frombuffer(each.contacts, ROWS.contact)) for each in made)
+    assert len(lines) == 1 + contacts
+    assert look.accessible() == []
 
 
 def test_several_browsers_play_it_together(browser: Any, view: Served, look: Look) -> None:

@@ -1,5 +1,7 @@
 """Replays of recordings: any time of them, at any pace, exactly as it was."""
 
+import csv
+import io
 import json
 import time
 from collections.abc import Iterator
@@ -18,6 +20,7 @@ from replay_sample import NOISE, PERIOD, ROWS, START, Known, write
 
 import skinfield as sf
 from skinfield.errors import FileError, InputError
+from skinfield.estimate.contact_table import COLUMNS
 from skinfield.files.mcap import RecordingWriter
 from skinfield.files.mcap.schema import CycleLayout
 from skinfield.loop.client import connect
@@ -310,6 +313,68 @@ def test_what_makes_no_sense_is_refused(feed: RecordingSource) -> None:
     feed.seek(1e9)  # there are no times beyond the ends
     wait_for(lambda: feed.sought)
     assert feed.time_s == pytest.approx(feed.end_s)
+
+
+# its timeline
+
+
+def contacts_of(each: Known) -> np.ndarray:
+    return np.frombuffer(each.contacts, ROWS.contact)
+
+
+def test_the_timeline_is_force_and_touches_over_time(made: Made, feed: RecordingSource) -> None:
+    told = wait_for(lambda: feed.timeline.told)
+    assert feed.timeline.damage == ""
+    times, force = np.array(told["times"]), np.array(told["force"])
+    known = np.array([contacts_of(each)["normal_force"].sum() for each in made[1]])
+    assert_array_equal(np.diff(times) > 0.0, True)
+    assert len(times) == CYCLES  # each has a part of its own
+    assert np.abs(force - known).max() < 1e-4
+    assert np.abs(times - np.arange(CYCLES) / WHOLE).max() < 2e-3
+    seen: dict[int, list[float]] = {}
+    for number, each in enumerate(made[1]):
+        for track in contacts_of(each)["track"].tolist():
+            seen.setdefault(track, []).append(number / WHOLE)
+    ends = sorted((times[0], times[-1]) for times in seen.values())
+    assert np.array(told["touches"]) == pytest.approx(np.array(ends), abs=1e-3)
+    assert ends
+
+
+def test_it_steps_by_readings_both_ways(made: Made, feed: RecordingSource) -> None:
+    wait_for(lambda: feed.timeline.told)
+    went(feed, 1.0)
+    for count, place in ((1, 101), (3, 104), (-2, 102), (-1000, 0), (-1, 0), (1000, CYCLES - 1)):
+        feed.step(count)
+        wait_for(lambda: feed.sought)
+        assert not feed.playing
+        assert feed.time_s == pytest.approx(place / WHOLE, abs=1e-6)
+
+
+def test_a_span_is_a_table_of_contacts(made: Made, feed: RecordingSource) -> None:
+    text = feed.timeline.csv(1.0, 2.0)
+    rows = list(csv.DictReader(io.StringIO(text)))
+    assert tuple(rows[0]) == (*COLUMNS, "track", "patch")
+    known = [(k, one) for k in range(100, 201) for one in contacts_of(made[1][k])]
+    assert len(rows) == len(known) > 50
+    for row, (k, one) in zip(rows, known, strict=True):
+        assert int(row["stamp_ns"]) == START + k * PERIOD - 1000
+        assert (int(row["track"]), row["patch"]) == (one["track"], PATCH.name)
+        found = [float(row[name]) for name in ("time_s", "x_m", "y_m", "force_N", "area_m2")]
+        there = (k / WHOLE, *one["position"][:2], one["normal_force"], one["area"])
+        assert found == pytest.approx(there, rel=1e-5, abs=2e-6)
+        assert row["scale"] == "newtons"
+
+
+def test_it_begins_anew_in_a_loop(feed: RecordingSource) -> None:
+    feed.set_loop(True)
+    try:
+        went(feed, feed.end_s - 0.05)
+        feed.play()
+        wait_for(lambda: feed.time_s < 1.0)
+        assert feed.playing
+    finally:
+        feed.set_loop(False)
+        feed.pause()
 
 
 # files that are not whole

@@ -3,6 +3,8 @@
 import json
 import math
 import re
+import subprocess
+import sys
 import tomllib
 import tracemalloc
 from pathlib import Path
@@ -22,12 +24,14 @@ from skinfield.emulator import (
     VirtualSkin,
     Wires,
     fault_from_text,
+    press_tables,
     temperature_from_text,
     truth_log,
+    world,
 )
-from skinfield.emulator import world as press_tables
 from skinfield.emulator.hardware import NEVER, Schedule, Wire
 from skinfield.emulator.packet import Ear
+from skinfield.emulator.press_tables import FORCES, PressTable, cache_path, table_for
 from skinfield.emulator.scenes import (
     SCENES,
     BodyPath,
@@ -40,7 +44,7 @@ from skinfield.emulator.scenes import (
 from skinfield.emulator.settings import numbers_of
 from skinfield.emulator.transports import ANSWER, Request, answer_to, encoded
 from skinfield.emulator.truth_log import TruthLog
-from skinfield.emulator.world import FORCES, PressTable, World, cache_path, table_for
+from skinfield.emulator.world import World
 from skinfield.errors import FileError, InputError
 from skinfield.settings import json_from_value, value_from_json
 from skinfield.simulate import press
@@ -220,7 +224,8 @@ def test_the_newest_tools_are_solved_first_and_only_what_is_wanted(monkeypatch) 
     begun: list[SimpleNamespace] = []
 
     def start(words: list[str], **_: object) -> SimpleNamespace:
-        begun.append(SimpleNamespace(script=words[2], poll=lambda: None))
+        ends = dict.fromkeys(("kill", "wait"), lambda: None)
+        begun.append(SimpleNamespace(script=words[2], poll=lambda: None, stdout=None, **ends))
         return begun[-1]
 
     monkeypatch.setattr(press_tables.subprocess, "Popen", start)
@@ -235,6 +240,49 @@ def test_the_newest_tools_are_solved_first_and_only_what_is_wanted(monkeypatch) 
     assert all(repr(key[0]) in each.script for key, each in zip(wanted, begun, strict=True))
     assert mine.get(keys[-1]) == keys[-1][0]
     assert mine.get(keys[0]) is None
+
+
+def test_tools_are_prepared_before_they_press(monkeypatch: pytest.MonkeyPatch) -> None:
+    begun: list[tuple[SceneTool, int]] = []
+
+    class Fake(press_tables.PressTables):
+        def _solve(self, key: press_tables.Key, nice: int) -> None:
+            begun.append((key[0], nice))
+            process = subprocess.Popen(["sleep", "60"], stdout=subprocess.PIPE)
+            self._running[key] = press_tables.Solving(process)
+
+    monkeypatch.setattr(world, "PressTables", Fake)
+    made = World(SKIN, Layer(), scene_by_name("idle", SKIN, 0))
+    monkeypatch.setattr(press_tables, "cache_path", lambda *_: Path("nowhere"))
+    try:
+        for radius in (21e-3, 22e-3):
+            assert made.prepare(Request(radius=radius)) == {"solving": True}
+        made.poll()
+        made.poll()
+        assert begun == [(SceneTool(22e-3), press_tables.BESIDE)]  # one at a time, the newest first
+        made.press(Request(x=0.0, y=0.0, radius=23e-3))
+        assert begun[1:] == [(SceneTool(23e-3), 0)]  # a press comes at once, beside it
+        told = made.tools(Request())
+        assert told["ready"] == [{"shape": "ball", "radius": 10e-3}]
+        assert [each["radius"] for each in told["preparing"]] == [22e-3, 23e-3]
+        assert made.prepare(Request()) == {"solving": False}
+    finally:
+        made.close()
+
+
+def test_a_process_that_solves_says_how_far_it_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(press_tables, "SHARES", (0.1, 0.4, 0.7, 1.0))
+    monkeypatch.setattr(press_tables, "CELL", 1e-3)  # coarse: this is not about the numbers
+    shares: list[float] = []
+    press_tables.solve_table(SceneTool(6e-3), Layer(), 4e-3, shares.append)
+    assert shares == pytest.approx([0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0])
+    script = "print(0.25, flush=True); print(0.5, flush=True)"
+    process = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE)
+    solving = press_tables.Solving(process)
+    process.wait()
+    assert solving.ended()
+    assert solving.share == 0.5
+    solving.close()
 
 
 def test_a_body_that_is_stored_is_pressed_through_no_layer(monkeypatch) -> None:
@@ -379,7 +427,7 @@ COMMAND = st.fixed_dictionaries({"do": st.sampled_from(WORDS.split())}).flatmap(
 @pytest.fixture(scope="module")
 def skin():
     made = VirtualSkin(VirtualSettings(**QUIET, control="", at_once=True))
-    made.world._solving._solve = lambda _: None  # nothing is solved beside
+    made.world._solving._solve = lambda *_: None  # nothing is solved beside
     yield made
     made.close()
 
@@ -450,5 +498,9 @@ def test_the_process_that_solves_a_table_is_asked_for_that_table(
     asked: list = []
     monkeypatch.setattr(press_tables, "table_for", lambda *what: asked.append(what))
     tool, layer = SceneTool(6e-3, "flat"), Layer()
-    exec(press_tables.SCRIPT.format(tool=tool, layer=layer, pad_diameter=4e-3), {})
-    assert asked == [(tool, layer, 4e-3)]
+    begun: list = []
+    start = lambda command, **_: begun.append(command) or SimpleNamespace(stdout=None)
+    monkeypatch.setattr(press_tables.subprocess, "Popen", start)
+    press_tables.PressTables(layer)._solve((tool, 4e-3), 0)
+    exec(begun[0][-1], {})
+    assert [what[:3] for what in asked] == [(tool, layer, 4e-3)]

@@ -48,7 +48,7 @@ export class Ageing {
     setInterval(() => this.look(), LOOK_MS);
   }
 
-  /** Does time pass for what is shown? Not for a recording. */
+  /** Does time pass for what is shown? Not for a recording, nor for a moment of the past. */
   passes(passes) {
     this.#passes = passes;
     this.#head = null;
@@ -56,8 +56,12 @@ export class Ageing {
     this.look();
   }
 
-  /** An update has come; its contacts learn their ages before they are drawn. */
-  update(head, now = performance.now()) {
+  /**
+   * An update has come; its contacts learn their ages before they are drawn.
+   * @returns {object} the same with contacts of its own, which age; what was told stays as it is
+   */
+  update(told, now = performance.now()) {
+    const head = { ...told, contacts: told.contacts.map((each) => ({ ...each })) };
     this.#head = head;
     this.#at = now;
     this.#drawn = Infinity;
@@ -68,6 +72,7 @@ export class Ageing {
     }
     this.#known = known;
     this.#age(now);
+    return head;
   }
 
   /** The update is on the screen. */

@@ -39,6 +39,26 @@ export class PressGestures {
     return [...this.#presses].filter(([id]) => !there(id)).map(([id, { position }]) => ({ id, position }));
   }
 
+  /** The newest press, as {id, patch, position, force}; null where none stands. */
+  get newest() {
+    const [id, press] = [...this.#presses].at(-1) ?? [];
+    return id ? { id, ...press } : null;
+  }
+
+  /** Put a press at another place, as keys do. */
+  shift(id, patch, position) {
+    const press = this.#presses.get(id);
+    if (!press) return;
+    Object.assign(press, { patch, position });
+    this.#send({ do: "move", id, patch, position });
+  }
+
+  /** A press stands here, as the server tells it: steps from there on begin on the skin itself. */
+  settle(id, patch, position) {
+    const press = this.#presses.get(id);
+    if (press && this.#held?.id !== id) Object.assign(press, { patch, position });
+  }
+
   /** Is a press held right now? */
   get holding() {
     return this.#held !== null;

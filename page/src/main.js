@@ -9,6 +9,8 @@ import { ContactsTable } from "./table.js";
 import { Controls } from "./controls.js";
 import { byId, remember, remembered, setText } from "./dom.js";
 import { fixed, forceUnit } from "./format.js";
+import { savePicture } from "./export.js";
+import { total } from "./lookback.js";
 import { startKeyboard } from "./keyboard.js";
 import { matched } from "./truth_match.js";
 import { notice } from "./notices.js";
@@ -59,8 +61,11 @@ const table = new ContactsTable();
 const plots = new Plots(byId("force-plot"), byId("latency-plot"));
 const bar = new ColourBar((colours) => scene.setColours(colours));
 const controls = new Controls(ask, scene, patchName);
-const press = new PressPanel(ask, scene);
-const replay = new Replay(ask);
+const press = new PressPanel((command) => {
+  if (command.do === "press" || command.do === "move") replay.live(); // its result is to be seen
+  return ask(command);
+}, scene);
+const replay = new Replay(ask, query, showMoment);
 const pending = new Pending(quantityInForce);
 const ageing = new Ageing({
   rows: () => document.querySelectorAll("#contacts-table tr[data-key]"),
@@ -70,12 +75,16 @@ const ageing = new Ageing({
 
 /** Send a command; true when it was obeyed, and a notice when it was not. */
 async function ask(command) {
+  return (await query(command)) !== null;
+}
+
+/** Send a command; its answer, or null and a notice. */
+async function query(command) {
   try {
-    await socket.ask(command);
-    return true;
+    return await socket.ask(command);
   } catch (error) {
     if (socket.open) notice("error", error.message);
-    return false;
+    return null;
   }
 }
 
@@ -116,7 +125,8 @@ function patchName(i) {
 // what the server says
 
 function text(message) {
-  const kinds = { hello, controls: controlsMessage, status: statusMessage, notice: noticeMessage };
+  const timeline = (told) => replay.timeline(told);
+  const kinds = { hello, controls: controlsMessage, status: statusMessage, notice: noticeMessage, timeline };
   const kind = Object.hasOwn(kinds, message?.kind ?? "") ? kinds[message.kind] : null;
   if (!kind) return malformed("a message of no known kind");
   try {
@@ -179,7 +189,7 @@ function binary(buffer) {
   try {
     message = decode(buffer);
     if (message.head.kind === "geometry") geometry(checkGeometry(message));
-    else if (message.head.kind === "update") update(checkUpdate(message));
+    else if (message.head.kind === "update") update(checkUpdate(message), buffer.byteLength);
     else throw new WireError(`a binary message of kind ${message.head.kind}`);
   } catch (error) {
     malformed(error.message);
@@ -207,14 +217,14 @@ function malformed(why) {
 
 // one update at a time: the next one is asked for when this one is on the screen
 
-async function update({ head, arrays }) {
+async function update({ head, arrays }, size) {
   try {
     const { hello: told } = state;
-    bar.follow(head, performance.now() / 1e3);
-    ageing.update(head);
-    scene.update(head, arrays);
+    head.came_ms = performance.now();
+    replay.keep(timeOf(head), head, arrays, size);
+    const shown = replay.lookingBack ? head : drawLive(head, arrays);
     await drawn();
-    if (state.hello === told) show(head); // in the same picture as the scene: one truth for each number
+    if (state.hello === told) show(shown); // in the same picture as the scene: one truth for each number
   } catch (error) {
     malformed(error.message);
     console.debug(error);
@@ -230,41 +240,82 @@ function drawn() {
   return Promise.race([scene.whenDrawn(), hidden]);
 }
 
+/** s, of a recording or of the newest reading. */
+function timeOf({ time_s: time, stamp_ns: stamp }) {
+  return Number.isFinite(time) ? time : stamp * 1e-9;
+}
+
+function drawLive(head, arrays) {
+  bar.follow(head, performance.now() / 1e3);
+  const shown = ageing.update(head);
+  scene.update(shown, arrays);
+  return shown;
+}
+
 function show(head) {
-  const now = performance.now() / 1e3;
-  Object.assign(state, { lastUpdate: head, contacts: head.contacts, truth: head.truth });
   state.updates += 1;
-  const pairs = matched(head.contacts, head.truth);
-  const time = Number.isFinite(head.time_s) ? head.time_s : head.stamp_ns * 1e-9;
-  plots.add(time, pairs, head);
-  table.show(pairs, head.truth, { now, patchName, slotOf: (key) => plots.slotOf(key), none: noneWords(), relative: head.relative });
-  for (const each of document.querySelectorAll(".force-unit")) {
-    setText(each, forceUnit(head.relative));
-    each.title = head.relative ? "relative: forces hold up to one factor until the skin is calibrated" : "";
-  }
   press.seen(head.truth);
   if (head.truth.length && !state.pressed) {
     state.pressed = true;
     remember("pressed", "yes");
     invite();
   }
-  ageing.look();
+  if (replay.lookingBack) return;
+  plots.add(timeOf(head), tell(head), head);
   replay.at(head.time_s);
   const latency = latencyText(head.latency_us, state.controls?.deadline_us?.value);
   byId("latency-plot").setAttribute("aria-label", `Latency of the estimates, now ${latency}`);
 }
 
-/** What a table without contacts says: nobody knows of any before there are answers. */
-function noneWords() {
+/** Show a moment of a live skin's past, which does not fade, or the newest one, with which it goes on. */
+function showMoment({ time, head: told, parts }, isNow = false) {
+  ageing.passes(isNow);
+  const head = ageing.update(told, told.came_ms);
+  ageing.drawn(told.came_ms);
+  const byMessage = Map.groupBy(parts.values(), ({ arrays }) => arrays);
+  if (head.quantity !== state.lastUpdate?.quantity) scene.setQuantity(head.quantity);
+  bar.follow(head, performance.now() / 1e3);
+  scene.update({ ...head, patches: [] }, []);
+  for (const [arrays, each] of byMessage) scene.update({ ...head, patches: each.map(({ entry }) => entry) }, arrays);
+  tell(head);
+  plots.until(isNow ? null : time);
+}
+
+/** Tell in numbers what an update says; its contacts beside what presses. */
+function tell(head) {
+  const now = performance.now() / 1e3;
+  Object.assign(state, { lastUpdate: head, contacts: head.contacts, truth: head.truth });
+  const pairs = matched(head.contacts, head.truth);
+  table.show(pairs, head.truth, { now, patchName, slotOf: (key) => plots.slotOf(key), none: noneWords(), relative: head.relative });
+  for (const each of document.querySelectorAll(".force-unit")) {
+    setText(each, forceUnit(head.relative));
+    each.title = head.relative ? "relative: forces hold up to one factor until the skin is calibrated" : "";
+  }
+  const { length } = head.contacts;
+  const known = length > 0 || answers();
+  setText(byId("readout-force"), known ? `${fixed(total(head.contacts), 2)} ${forceUnit(head.relative)}` : "–");
+  const none = known ? "no contact" : "no answer";
+  setText(byId("readout-count"), length ? `${length} contact${length > 1 ? "s" : ""}` : none);
+  ageing.look();
+  return pairs;
+}
+
+/** Are there answers? Nobody knows of contacts before. */
+function answers() {
   const { state: name } = state.status ?? {};
-  const answers = !name || state.hello?.mode === "replay" || name === "running" || name === "mixed";
-  return answers ? "No contact" : `No answer: ${state.controls?.busy ?? `the engine is ${name}`}`;
+  return !name || state.hello?.mode === "replay" || name === "running" || name === "mixed";
+}
+
+/** What a table without contacts says. */
+function noneWords() {
+  return answers() ? "No contact" : `No answer: ${state.controls?.busy ?? `the engine is ${state.status.state}`}`;
 }
 
 // what this browser alone shows
 
 async function showQuantity() {
   const select = byId("quantity");
+  replay.live(); // what is kept has the colours of its own quantity
   scene.setQuantity(select.value);
   await pending.wait("quantity", ask({ do: "show", quantity: select.value }));
 }
@@ -289,11 +340,19 @@ function exaggeration() {
   scene.setExaggeration(factor);
 }
 
+function savePng() {
+  const name = state.hello?.name || "skin";
+  const said = [byId("readout-force"), byId("readout-count"), byId("colour-name")].map((each) => each.textContent);
+  const when = new Date().toISOString().slice(0, 19).replace("T", " ");
+  savePicture(`${name}.png`, scene, [said.join(" · "), `${name} · ${when} UTC`]);
+}
+
 function startView() {
   byId("quantity").addEventListener("change", showQuantity);
   byId("exaggeration").addEventListener("input", exaggeration);
   byId("show-taxels").addEventListener("change", (event) => scene.showTaxels(event.target.checked));
   byId("show-labels").addEventListener("change", (event) => scene.showLabels(event.target.checked));
+  byId("export-png").addEventListener("click", savePng);
   byId("home").addEventListener("click", () => scene.home());
   byId("plot-window").addEventListener("change", (event) => plots.setWindow(Number(event.target.value)));
   byId("refused-again").addEventListener("click", () => socket.connect());
@@ -313,11 +372,16 @@ startTheme((name) => {
   scene.setTheme(name);
   bar.recolour(name);
   plots.recolour();
+  replay.recolour();
 });
 startKeyboard({
   orbit: (x, y) => scene.orbit(x, y),
   zoom: (factor) => scene.zoom(factor),
   home: () => scene.home(),
+  shift: (right, up) => press.shift(right, up),
+  harder: (newtons) => press.harder(newtons),
+  step: (readings) => replay.step(readings),
+  loop: () => replay.loop(),
   quantity: setQuantity,
   tare: () => controls.tare(),
   record: () => controls.record(),

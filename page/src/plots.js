@@ -1,6 +1,7 @@
 // The two plots below the picture: force of each contact, latency of the estimates.
 import uPlot from "uplot";
 import "uplot/dist/uPlot.min.css";
+import { element } from "./dom.js";
 import { cssColour } from "./theme.js";
 import { fixed, micros, placesOf, significant, ticks } from "./format.js";
 import { Series, Slots } from "./time_series.js";
@@ -28,6 +29,7 @@ export class Plots {
   #deadline = NaN;
   #drawn = 0;
   #timer = null;
+  #until = null; // s, where the past is looked at
 
   constructor(forceBox, latencyBox) {
     const columns = Array.from({ length: SLOTS }, (_, i) => i);
@@ -40,6 +42,7 @@ export class Plots {
       y: (_, __, hi) => [0, Math.max(1, (hi ?? 0) * 1.1)],
       label: (values) => values.map((v, i) => fixed(v, placesOf((values[1] ?? 1) - (values[0] ?? 0)))),
       splits: (lo, hi) => ticks(lo, hi, 4),
+      tip: (values) => this.#forceTip(values),
     });
     this.#latency = chart(latencyBox, {
       series: [
@@ -53,6 +56,7 @@ export class Plots {
       log: true,
       label: (values) => values.map((v) => (Math.log10(v) % 1 === 0 ? short(v) : "")),
       splits: (lo, hi) => between(lo, hi),
+      tip: latencyTip,
     });
   }
 
@@ -70,6 +74,13 @@ export class Plots {
     this.#deadline = Number.isFinite(microseconds) ? microseconds : NaN;
   }
 
+  /** Show the past up to a time, s; null: up to now again. */
+  until(time) {
+    if (time === null && this.#until !== null) for (const series of [this.#forces, this.#times]) series.gap();
+    this.#until = time;
+    this.draw(true);
+  }
+
   /** A new theme: the colours are looked up again. */
   recolour() {
     this.#force.redraw(false, true);
@@ -80,6 +91,7 @@ export class Plots {
     this.#forces.clear();
     this.#times.clear();
     this.#slots.clear();
+    this.#until = null;
     this.draw(true);
   }
 
@@ -109,14 +121,35 @@ export class Plots {
     clearTimeout(this.#timer);
     this.#timer = null;
     this.#drawn = performance.now();
-    this.#force.setData(this.#forces.length ? this.#forces.rows(this.#window) : blank(2 * SLOTS));
-    this.#latency.setData(this.#times.length ? this.#times.rows(this.#window) : blank(4));
+    this.#force.setData(this.#forces.length ? this.#rows(this.#forces) : blank(2 * SLOTS));
+    this.#latency.setData(this.#times.length ? this.#rows(this.#times) : blank(4));
+  }
+
+  #rows(series) {
+    return series.rows(this.#window + series.now - (this.#until ?? series.now));
   }
 
   #span(series) {
-    const now = series.now ?? 0;
+    const now = this.#until ?? series.now ?? 0;
     return [now - this.#window, now];
   }
+
+  /** Lines of the force plot's tip: each contact, and what is known to press it. */
+  #forceTip(values) {
+    const shown = [];
+    for (let slot = 0; slot < SLOTS; slot += 1) {
+      const [force, truth] = [values[slot], values[SLOTS + slot]];
+      if (force == null) continue;
+      shown.push({ slot, text: `${fixed(force, 2)}${truth == null ? "" : `, truth ${fixed(truth, 2)}`}` });
+    }
+    return shown;
+  }
+}
+
+const TIMES = ["whole", "answer", "deadline"];
+
+function latencyTip(values) {
+  return TIMES.flatMap((name, i) => (values[i] == null ? [] : [{ text: `${name} ${micros(values[i])}` }]));
 }
 
 function slotColour(slot) {
@@ -150,7 +183,7 @@ function short(value) {
 }
 
 /** A uPlot that fills its box, with axes in the page's colours and time from -window to 0 s. */
-function chart(box, { series, x, y, label, splits, log = false }) {
+function chart(box, { series, x, y, label, splits, tip, log = false }) {
   const size = () => ({ width: Math.max(box.clientWidth, 60), height: Math.max(box.clientHeight, 60) });
   const axis = {
     stroke: () => cssColour("--muted"),
@@ -163,7 +196,8 @@ function chart(box, { series, x, y, label, splits, log = false }) {
       ...size(),
       padding: [8, 10, 0, 0],
       legend: { show: false },
-      cursor: { show: false },
+      cursor: { y: false, drag: { x: false, y: false }, points: { size: 6 } },
+      hooks: { setCursor: [(plot) => showTip(plot, tip)] },
       scales: { x: { time: false, range: x }, y: { range: y, ...(log ? { distr: 3 } : {}) } },
       series: [{}, ...series.map((each) => ({ points: { show: false }, spanGaps: false, ...each }))],
       axes: [
@@ -189,6 +223,30 @@ function chart(box, { series, x, y, label, splits, log = false }) {
   );
   new ResizeObserver(() => plot.setSize(size())).observe(box);
   return plot;
+}
+
+/** What the pointer is over: the time, and the values of then. */
+function showTip(plot, linesOf) {
+  const { idx, left } = plot.cursor;
+  const box = plot.root.parentElement;
+  box.querySelector(".plot-tip")?.remove();
+  if (idx == null || !(left >= 0)) return;
+  const lines = linesOf(plot.data.slice(1).map((column) => column[idx]));
+  const time = `${fixed(plot.data[0][idx] - plot.scales.x.max, 1)} s`;
+  const values = lines.map(({ slot, text }) => element("div", {}, swatch(slot), text));
+  const made = element("div", { class: "plot-tip num" }, element("div", { text: time }), ...values);
+  const at = plot.bbox.left / devicePixelRatio + left;
+  const room = box.clientWidth - at;
+  if (room < at) made.style.right = `${room + 8}px`;
+  else made.style.left = `${at + 8}px`;
+  box.append(made);
+}
+
+function swatch(slot) {
+  if (slot === undefined) return null;
+  const mark = element("i", { class: "swatch" });
+  mark.style.background = `var(--slot-${slot})`;
+  return mark;
 }
 
 /** Five marks of time that stand still while the curves move. */

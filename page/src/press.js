@@ -1,13 +1,16 @@
 // The panel of the virtual indenter, and what gestures on the skin do with it.
 import { Pending } from "./pending.js";
 import { able } from "./controls.js";
-import { byId, clamp, setOptions, setText } from "./dom.js";
+import { byId, clamp, element, setOptions, setText } from "./dom.js";
 import { PressGestures } from "./gestures.js";
 import { notice } from "./notices.js";
 
 const RING_PX = 12; // from one ring of places that are tried to the next
 const ROUND = 16; // places on a ring
-const SHAPES = { ball: "Ball", flat: "Flat end" };
+const SHAPES = { ball: "Ball", flat: "Flat end", finger: "Finger" };
+const SETTLED_MS = 500; // after the last change of a tool it is asked for, if it is not ready
+const MOVED_MS = 400; // after a key moved a press; older news of its place are passed over
+const OFF_M = 2e-3; // from where a key moves a press to what is seen there: not the same skin
 
 export class PressPanel {
   #ask;
@@ -19,6 +22,11 @@ export class PressPanel {
   #mode = "live";
   #playing = null; // the scene that plays, as told
   #pending = new Pending(() => this.#showScene());
+  #common = {}; // radii, m, by shape
+  #tools = { ready: [], preparing: [] }; // as told
+  #truths = [];
+  #moved = -Infinity; // when a key moved a press, ms
+  #timer = null;
 
   /** @param {(command) => Promise} ask @param {object} scene */
   constructor(ask, scene) {
@@ -26,8 +34,11 @@ export class PressPanel {
     this.#scene = scene;
     const mine = `${Date.now().toString(36).slice(-5)}${Math.floor(Math.random() * 1296).toString(36)}.`;
     this.#gestures = new PressGestures(ask, () => this.tool, mine);
-    this.#bindSlider("radius", () => this.#toolChanged());
-    this.#bindSlider("force", () => this.#toolChanged(true));
+    bindSlider("radius", () => this.#toolChanged(), {
+      position: (value) => this.#nearestSize(value),
+      value: (position) => this.#sizes[position] ?? byId("radius").valueAsNumber,
+    });
+    bindSlider("force", () => this.#toolChanged(true));
     byId("shape").addEventListener("change", () => this.#toolChanged());
     byId("lift").addEventListener("click", () => this.liftAll());
     byId("press-middle").addEventListener("click", () => this.pressMiddle());
@@ -45,6 +56,20 @@ export class PressPanel {
     };
   }
 
+  /** Radii, mm, that the slider goes to: of the panel's shape what is ready, or is prepared anyhow. */
+  get #sizes() {
+    const { shape } = this.tool;
+    const ready = this.#tools.ready.filter((each) => each.shape === shape).map(({ radius }) => radius);
+    const [lo, hi] = this.#limits?.radius ?? [0, Infinity];
+    const radii = [...(this.#common[shape] ?? []), ...ready].filter((radius) => radius >= lo && radius <= hi);
+    return [...new Set(radii.map(millimetres))].sort((a, b) => a - b);
+  }
+
+  #nearestSize(value) {
+    const off = this.#sizes.map((each) => Math.abs(each - value));
+    return off.indexOf(Math.min(...off));
+  }
+
   /** Can the skin be pressed at all? */
   get able() {
     return this.#limits !== null && !this.#off;
@@ -60,13 +85,15 @@ export class PressPanel {
   }
 
   /** Why pressing is off, if it is; the scene that plays, if that is told. */
-  controls({ off, scene, busy }) {
+  controls({ off, scene, busy, tools }) {
+    this.#tools = tools ?? { ready: [], preparing: [] };
     this.#off = off?.press ?? null;
     this.#busy = busy ?? null;
     this.#playing = scene;
     this.#pending.settled();
     this.#showScene();
     this.#showAble();
+    this.#showTools();
   }
 
   /** From the scene: phase "begin", "move" or "end". */
@@ -96,6 +123,36 @@ export class PressPanel {
     else notice("info", "no skin is in the picture: Home shows the whole of it");
   }
 
+  /**
+   * Move the newest press by metres to the right and up, as the picture shows the skin.
+   * @returns {boolean} whether there is one
+   */
+  shift(right, up) {
+    const press = this.#gestures.newest;
+    if (!press || !this.able) return false;
+    const normal = this.#truths.find(({ id }) => this.#own(id) === press.id)?.normal;
+    const { elements } = this.#scene.view.camera.matrixWorld;
+    const wanted = [0, 1, 2].map((k) => right * elements[k] + up * elements[4 + k]);
+    const step = along(wanted, normal ?? [0, 0, 1], Math.hypot(right, up));
+    const position = press.position.map((value, k) => value + step[k]);
+    const { x, y } = this.#scene.project(position);
+    const hit = this.#scene.pickAtRest(x, y);
+    if (hit?.position && Math.hypot(...hit.position.map((value, k) => value - position[k])) < OFF_M) {
+      this.#moved = performance.now();
+      this.#gestures.shift(press.id, hit.patch, position);
+    }
+    return true;
+  }
+
+  /** Press the newest press harder, by newtons; whether there is one. */
+  harder(newtons) {
+    if (!this.#gestures.newest || !this.able) return false;
+    const box = byId("force");
+    box.value = Number((box.valueAsNumber + newtons).toFixed(3));
+    box.dispatchEvent(new Event("change"));
+    return true;
+  }
+
   /** Skin in the middle of the picture, or what is nearest to it: a curved skin may be hollow there. */
   #nearMiddle() {
     const { clientWidth: width, clientHeight: height } = this.#scene.canvas;
@@ -113,7 +170,11 @@ export class PressPanel {
 
   /** Tell what presses now; presses that wait for something are shown, with what they wait for. */
   seen(truths) {
-    const why = this.#busy;
+    this.#truths = truths;
+    if (performance.now() - this.#moved > MOVED_MS) {
+      for (const { id, patch, position } of truths) this.#gestures.settle(this.#own(id), patch, position);
+    }
+    const why = this.#busy && this.#share !== null ? `${this.#busy}, ${percent(this.#share)}` : this.#busy;
     const waiting = why ? this.#gestures.missing(truths.map(({ id }) => id)) : [];
     this.#scene.setWaiting(waiting.map((press) => ({ ...press, why })));
   }
@@ -147,6 +208,7 @@ export class PressPanel {
 
   #showAble() {
     const why = this.#why;
+    for (const button of byId("tools").children) able(button, why);
     for (const id of ["shape", "press-scene", "radius", "radius-slider", "force", "force-slider", "lift", "press-middle"]) {
       able(byId(id), why);
     }
@@ -162,7 +224,9 @@ export class PressPanel {
     if (byId("press-scene").value !== this.#playing) byId("press-scene").value = this.#playing;
   }
 
-  #setLimits({ shapes, radius, force, scenes }) {
+  #setLimits({ shapes, radius, force, scenes, common }) {
+    this.#common = common ?? {};
+    this.#makeTools();
     setOptions(byId("shape"), shapes.map((name) => [name, SHAPES[name] ?? name]));
     setOptions(byId("press-scene"), (scenes ?? []).map((name) => [name, name]));
     limit("radius", radius.map((value) => value * 1e3));
@@ -173,41 +237,130 @@ export class PressPanel {
   #toolChanged(force = false) {
     const tool = this.tool;
     this.#scene.setTool(tool);
-    if (force) this.#gestures.setForce(tool.force);
+    this.#showTools();
+    if (force) return this.#gestures.setForce(tool.force);
+    clearTimeout(this.#timer);
+    this.#timer = setTimeout(() => this.#prepare(), SETTLED_MS);
   }
 
-  #bindSlider(id, changed) {
-    const box = byId(id);
-    const slider = byId(`${id}-slider`);
-    slider.addEventListener("input", () => {
-      box.value = slider.value;
-      changed();
-    });
-    box.addEventListener("input", () => {
-      if (!box.validity.valid || box.value === "") return;
-      slider.value = box.value;
-      changed();
-    });
-    box.addEventListener("change", () => {
-      const value = Number.isFinite(box.valueAsNumber) ? box.valueAsNumber : slider.valueAsNumber;
-      box.value = slider.value = clamp(value, Number(box.min), Number(box.max));
-      changed();
-    });
+  /** Have the panel's tool prepared before it presses, if it is not ready. */
+  #prepare() {
+    const { shape, radius } = this.tool;
+    if (!this.able || this.#isReady(this.tool) || !Number.isFinite(radius)) return;
+    this.#ask({ do: "tool", shape, radius });
   }
+
+  #isReady(tool) {
+    return this.#tools.ready.some((each) => same(each, tool));
+  }
+
+  /** The part of the panel's tool that is prepared; null where it is ready, or nobody prepares it. */
+  get #share() {
+    return this.#tools.preparing.find((each) => same(each, this.tool))?.share ?? null;
+  }
+
+  /** A button for each of the common tools. */
+  #makeTools() {
+    const kinds = Object.entries(this.#common).flatMap(([shape, radii]) => radii.map((radius) => ({ shape, radius })));
+    const made = kinds.map(({ shape, radius }) => {
+      const [name, size] = [SHAPES[shape] ?? shape, `${millimetres(radius)} mm`];
+      const button = element(
+        "button",
+        { type: "button", class: "tool", "data-testid": `tool-${shape}-${millimetres(radius)}`, "aria-label": `${name}, radius ${size}` },
+        shape === "finger" ? null : element("i", { class: `tool-shape ${shape}`, "aria-hidden": "true" }),
+        element("span", { text: shape === "finger" ? name : String(millimetres(radius)) }),
+      );
+      Object.assign(button.dataset, { shape, radius });
+      button.addEventListener("click", () => this.#choose(shape, radius));
+      return button;
+    });
+    byId("tools").replaceChildren(...made);
+  }
+
+  #choose(shape, radius) {
+    byId("shape").value = shape;
+    byId("radius").value = millimetres(radius);
+    this.#toolChanged();
+  }
+
+  /** Which tool is chosen, which are ready, and how far the chosen one is. */
+  #showTools() {
+    const tool = this.tool;
+    for (const button of byId("tools").children) {
+      const its = { shape: button.dataset.shape, radius: Number(button.dataset.radius) };
+      const ready = this.#isReady(its);
+      button.setAttribute("aria-pressed", String(same(its, tool)));
+      button.classList.toggle("is-waiting", !ready);
+      if (!button.disabled) button.title = `${button.getAttribute("aria-label")}${ready ? "" : ": is being prepared"}`;
+    }
+    const [slider, sizes] = [byId("radius-slider"), this.#sizes];
+    Object.assign(slider, { min: 0, max: Math.max(sizes.length - 1, 0), step: 1 });
+    slider.value = this.#nearestSize(byId("radius").valueAsNumber);
+    slider.setAttribute("aria-valuetext", `${sizes[slider.value] ?? "–"} mm`);
+    this.#showProgress(this.#limits && !this.#isReady(tool) ? this.#share : null);
+  }
+
+  #showProgress(share) {
+    byId("tool-progress").hidden = share === null;
+    if (share === null) return;
+    const { shape, radius } = this.tool;
+    byId("tool-share").value = share;
+    setText(byId("tool-words"), `${SHAPES[shape] ?? shape} of ${millimetres(radius)} mm: being prepared, ${percent(share)}`);
+  }
+}
+
+/** A number box and its slider; the slider's positions may stand for other numbers. */
+function bindSlider(id, changed, { position = (value) => value, value = (at) => at } = {}) {
+  const [box, slider] = [byId(id), byId(`${id}-slider`)];
+  slider.addEventListener("input", () => {
+    box.value = value(slider.valueAsNumber);
+    changed();
+  });
+  box.addEventListener("input", () => {
+    if (!box.validity.valid || box.value === "") return;
+    slider.value = position(box.valueAsNumber);
+    changed();
+  });
+  box.addEventListener("change", () => {
+    const typed = Number.isFinite(box.valueAsNumber) ? box.valueAsNumber : value(slider.valueAsNumber);
+    box.value = clamp(typed, Number(box.min), Number(box.max));
+    slider.value = position(box.valueAsNumber);
+    changed();
+  });
+}
+
+function same(one, other) {
+  return one.shape === other.shape && millimetres(one.radius) === millimetres(other.radius);
+}
+
+/** Radii are prepared in steps of 0.1 mm. */
+function millimetres(radius) {
+  return Math.round(radius * 1e4) / 10;
+}
+
+function percent(share) {
+  return `${Math.round(100 * share)} %`;
+}
+
+/** A vector of a length in the plane with a normal, as near as can be to the one that is wanted. */
+function along(wanted, normal, length) {
+  const height = wanted.reduce((sum, value, k) => sum + value * normal[k], 0);
+  const flat = wanted.map((value, k) => value - height * normal[k]);
+  const size = Math.hypot(...flat);
+  return size > 1e-9 ? flat.map((value) => (value * length) / size) : [0, 0, 0];
 }
 
 /** Limits of a number and its slider; what was chosen stays if it is within them. */
 function limit(id, [lo, hi, usual]) {
   const box = byId(id);
   const slider = byId(`${id}-slider`);
-  const step = (hi - lo) / 200;
   const chosen = box.value === "" ? usual : clamp(box.valueAsNumber, lo, hi);
-  for (const input of [box, slider]) {
+  for (const input of id === "radius" ? [box] : [box, slider]) {
     input.min = Number(lo.toPrecision(6));
     input.max = Number(hi.toPrecision(6));
   }
   box.step = "any";
-  slider.step = Number(step.toPrecision(2));
+  slider.step = Number(((hi - lo) / 200).toPrecision(2));
   box.value = Number(chosen.toPrecision(6));
   slider.value = box.value;
 }

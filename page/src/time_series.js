@@ -39,6 +39,11 @@ export class Series {
     if (this.#first > 1024) this.#drop();
   }
 
+  /** There is nothing to draw from the newest row to the next. */
+  gap() {
+    if (this.length) this.push(this.now + 1e-6, []);
+  }
+
   /** [times, column, ...] of the newest `window` seconds, as uPlot takes them. */
   rows(window) {
     let from = this.#first;
@@ -60,6 +65,12 @@ export class Series {
 
 function finite(value) {
   return Number.isFinite(value) ? value : null;
+}
+
+/** [from, to[ of the runs of times without a gap. */
+export function unbroken(times, gap) {
+  const starts = times.flatMap((time, i) => (i === 0 || time - times[i - 1] > gap ? [i] : []));
+  return starts.map((from, k) => [from, starts[k + 1] ?? times.length]);
 }
 
 /** Gives each track a colour of few, the same while it is to be seen. */

@@ -45,31 +45,43 @@ test("a stamp that stands still ages, whatever the server says of it", () => {
   const shown = [];
   const { ageing } = made();
   for (let now = 0; now <= 2000; now += 100) {
-    shown.push(contact({ seen_s: 0.01 }));
-    ageing.update(head([shown.at(-1)]), now);
+    shown.push(ageing.update(head([contact({ seen_s: 0.01 })]), now).contacts[0]);
   }
   assert.equal(shown.at(-1).age_ms, 2000);
   assert.equal(shown.at(-1).old, true);
-  const next = contact({ seen_s: 0.01, seen_ms: 1e12 + 2000 });
-  ageing.update(head([next]), 2100);
+  const [next] = ageing.update(head([contact({ seen_s: 0.01, seen_ms: 1e12 + 2000 })]), 2100).contacts;
   assert.equal(next.age_ms, 10);
   assert.equal(next.fade, 0);
 });
 
 test("what an ended engine saw is grey at once; a recording does not age", () => {
   const { ageing, scene } = made();
-  const last = contact({ old: true });
-  ageing.update(head([last], { old: true }), 0);
+  const [last] = ageing.update(head([contact({ old: true })], { old: true }), 0).contacts;
   ageing.look(0);
   assert.equal(last.fade, 1);
   assert.equal(scene.container.dataset.fade, "1.00");
   ageing.passes(false);
-  const recorded = contact({ seen_s: 0.02 });
-  ageing.update(head([recorded]), 0);
+  const [recorded] = ageing.update(head([contact({ seen_s: 0.02 })]), 0).contacts;
   ageing.look(60000);
   assert.equal(recorded.age_ms, 20);
   assert.equal(recorded.fade, 0);
   assert.equal(scene.container.dataset.fade, "");
+});
+
+test("what was told does not age: a look back shows it as it was, and what is new ages from when it came", () => {
+  const { ageing } = made();
+  const told = head([contact()]);
+  const [shown] = ageing.update(told, 0).contacts;
+  ageing.look(9000);
+  assert.equal(shown.fade, 1);
+  ageing.passes(false);
+  const [past] = ageing.update(told, 9000).contacts;
+  ageing.look(9500);
+  assert.deepEqual([past.fade, past.old, told.contacts[0].old], [0, false, false]);
+  ageing.passes(true);
+  const [again] = ageing.update(told, 0).contacts;
+  ageing.look(9600);
+  assert.deepEqual([again.fade, again.age_ms], [1, 9620]);
 });
 
 test("ages, fades and words", () => {

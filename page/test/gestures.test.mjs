@@ -166,3 +166,18 @@ test("any order of events ends without a held press and with what was sent", () 
     assert.deepEqual([...there].sort(), [...gestures.ids].sort());
   }
 });
+
+test("keys move the newest press, from where it stands on the skin", () => {
+  assert.equal(gestures.newest, null);
+  click(0);
+  click(1, { shift: true, position: [0.03, 0, 0] });
+  assert.equal(gestures.newest.id, "p2");
+  gestures.settle("p2", 0, [0.03, 0, 0.001]);
+  assert.deepEqual(gestures.newest.position, [0.03, 0, 0.001]);
+  gestures.shift("p2", 0, [0.031, 0, 0.001]);
+  assert.deepEqual(sent.at(-1), { do: "move", id: "p2", patch: 0, position: [0.031, 0, 0.001] });
+  gestures.shift("p9", 0, [0, 0, 0]); // that is gone
+  assert.equal(words().at(-1), "move p2");
+  gestures.liftMine();
+  assert.equal(gestures.newest, null);
+});

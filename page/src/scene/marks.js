@@ -171,6 +171,7 @@ export class Marks {
     if (!surface.faces(view.camera.position)) return;
     const [anchorX, anchorY] = this.patches.foot(i, (at) => this.#pixel(this.seen.set(...at), view));
     const look = { plain: this.theme.muted, faint: true, side: 2, spare: true };
+    if (this.patches.all.size === 1) return; // the header has it
     this.wanted.push({ key: `n${i}`, title: about.name, ...look, anchorX, anchorY: anchorY - 8 });
   }
 

@@ -273,6 +273,8 @@ class VirtualSkin:
             "press": self.world.press,
             "move": self.world.move,
             "release": self.world.release,
+            "prepare": self.world.prepare,
+            "tools": self.world.tools,
             "fault": self._fault,
             "clear": self._clear,
             "wires": self._wires,

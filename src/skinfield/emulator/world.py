@@ -1,241 +1,23 @@
-"""World of a virtual skin: tables of presses, and what taxels read of them."""
+"""World of a virtual skin: what presses it, and what its taxels read of that."""
 
-import hashlib
 import itertools
 import math
-import os
-import subprocess
-import sys
 from bisect import bisect_right
-from collections.abc import Sequence
-from dataclasses import astuple, dataclass, replace
-from functools import cache
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from skinfield.elastic import Layer
 from skinfield.emulator.electronics import starts_of
+from skinfield.emulator.press_tables import Key, PressTable, PressTables
 from skinfield.emulator.scenes import BodyPath, CurrentPress, Scene, SceneTool, patch_index
 from skinfield.emulator.transports import Request
 from skinfield.errors import Floats, InputError
 from skinfield.skin import Skin
 
-if TYPE_CHECKING:
-    from skinfield.simulate import Press
-
-DEEPEST = 0.75  # of the thickness: where tables end
-SOFTEST = 1.0 / 400.0  # of the largest force: the least that is solved; below it, in proportion
-SHARES = (*np.geomspace(SOFTEST, 0.3, 6), *np.linspace(0.475, 1.0, 4))  # of it, that are solved
-HARDEST = 30.0  # N: where tables of soft bodies end at the latest
-ROUNDS = 3  # until their highest force is known
-CELL = 0.5e-3  # m
-LINE = 0.25e-3  # m between the distances that are solved
-SPACING = 0.05e-3  # m between the distances of a table
-FORCES = 128  # rows of a table
-ROWS = np.arange(FORCES)
-REACH = 12.0  # thicknesses beyond the touch where readings are below 1e-3 of the highest
-Key = tuple[SceneTool, float]
-AT_ONCE = 2  # tables that are solved at a time: each takes a processor for seconds
-SCRIPT = """
-from skinfield.elastic import Layer
-from skinfield.emulator.scenes import SceneTool
-from skinfield.emulator.world import table_for
-table_for({tool!r}, Layer(*{layer!r}), {pad_diameter!r})
-"""
-
-
-@dataclass(frozen=True, eq=False)
-class PressTable:
-    """Readings of one tool on one layer.
-
-    Attributes
-    ----------
-    highest_force : float, N
-    contact_radius : (FORCES,) array, m
-    change : (FORCES, D) array
-        ΔC/C₀ at distances 0, SPACING, 2 SPACING, ... from the press. Row i is of the force
-        (i / (FORCES - 1))² · highest_force: close to each other where readings rise steeply.
-    """
-
-    highest_force: float
-    contact_radius: Floats
-    change: Floats
-
-    def check_force(self, force: float, tool: SceneTool) -> None:
-        """Raise InputError for a force that pushes the tool through the layer."""
-        highest = self.highest_force / max(part for _, part in tool.parts)
-        if not 0.0 < force <= highest:
-            raise InputError(
-                f"force is {force:g} N, expected above 0 and at most {highest:.3g} N "
-                f"for a {tool.shape} of {tool.radius * 1e3:g} mm radius, which then sinks through "
-                f"{DEEPEST:.0%} of the layer: press lighter, or with a larger radius"
-            )
-
-    def _row(self, force: float) -> float:
-        """Row of a force, between two of them as a rule."""
-        return math.sqrt(min(force / self.highest_force, 1.0)) * (FORCES - 1)
-
-    def readings(self, distance: Floats, force: float) -> Floats:
-        """ΔC/C₀ at distances, m, from a press; linear between the entries."""
-        row = self._row(force)
-        lower = min(int(row), FORCES - 2)
-        values = (lower + 1 - row) * self.change[lower] + (row - lower) * self.change[lower + 1]
-        places = SPACING * np.arange(len(values))
-        return np.asarray(np.interp(distance, places, values, right=0.0))
-
-    def radius_at(self, force: float) -> float:
-        """Radius of the touch, m."""
-        return float(np.interp(self._row(force), ROWS, self.contact_radius))
-
-
-def solve_table(tool: SceneTool, layer: Layer, pad_diameter: float) -> PressTable:
-    """Solve the presses of a table: a second or two.
-
-    Parameters
-    ----------
-    tool : SceneTool
-    layer : Layer
-    pad_diameter : float, m
-    """
-    from skinfield.simulate import press, press_ladder
-
-    if tool.is_soft:
-        return _soft_table(tool, layer, pad_diameter)
-    bound = tool.radius if tool.shape == "flat" else math.sqrt(2.0 * tool.radius * layer.thickness)
-    extent = 2.0 * math.ceil((min(bound, tool.radius) + 5.0 * layer.thickness) / CELL) * CELL
-    deepest = press(layer, [tool.body(depth=DEEPEST * layer.thickness)], extent, CELL)
-    highest = deepest.force
-    forces = highest * np.array(SHARES)
-    solved = [*press_ladder(layer, tool.body(), forces[:-1], extent, CELL), deepest]
-    return _tabulated(solved, min(bound, tool.radius), pad_diameter)
-
-
-def _soft_table(tool: SceneTool, layer: Layer, pad_diameter: float) -> PressTable:
-    """Of a soft body, up to the force that sinks as deep; that goes by a power of it."""
-    from skinfield.simulate import press, press_ladder
-
-    widest = tool.body(force=HARDEST).reach
-    extent = 2.0 * math.ceil((widest + 5.0 * layer.thickness) / CELL) * CELL
-    target, force = DEEPEST * layer.thickness, SOFTEST * HARDEST
-    for _ in range(ROUNDS):
-        depth = float(press(layer, [tool.body(force=force)], extent, CELL).approach[0])
-        power = 1.0 - 2.0 * tool.body(force=force).growth
-        force = min(force * (target / depth) ** (1.0 / power), HARDEST)
-    forces = force * np.array(SHARES)
-    return _tabulated(press_ladder(layer, tool.body(), forces, extent, CELL), widest, pad_diameter)
-
-
-def _tabulated(solved: "Sequence[Press]", widest: float, pad_diameter: float) -> PressTable:
-    """Table of presses from a small part of the highest force to all of it."""
-    from scipy.interpolate import CubicSpline, PchipInterpolator
-
-    forces, highest = np.array([each.force for each in solved]), solved[-1].force
-    reach = widest + pad_diameter + REACH * solved[0].layer.thickness
-    distance = np.arange(0.0, reach + LINE, LINE)
-    line = np.column_stack([distance, np.zeros_like(distance)])
-    read = np.array([each.readings(line, pad_diameter, "capacitance") for each in solved])
-    radius = np.array([math.sqrt(each.contact_area / math.pi) for each in solved])
-    fine = np.arange(0.0, reach, SPACING)
-    rows = (ROWS / (FORCES - 1)) ** 2 * highest
-    # What is read per newton hardly changes with the force: that is what is interpolated.
-    slope = CubicSpline(np.log(forces), read / forces[:, None])
-    known = np.maximum(rows, forces[0])
-    values = CubicSpline(distance, slope(np.log(known)) * rows[:, None], axis=1)(fine)
-    touch = PchipInterpolator(np.concatenate([[0.0], forces]), np.concatenate([[0.0], radius]))
-    return PressTable(float(highest), np.asarray(touch(rows)), np.ascontiguousarray(values))
-
-
-def table_for(tool: SceneTool, layer: Layer, pad_diameter: float) -> PressTable:
-    """As `solve_table`, from the user's cache where it was solved before by the very same code."""
-    path = cache_path(tool, layer, pad_diameter)
-    try:
-        with np.load(path) as file:
-            return PressTable(float(file["force"]), file["radius"], file["change"])
-    except (OSError, ValueError, KeyError, EOFError):  # not there, or cut
-        table = solve_table(tool, layer, pad_diameter)
-    partial = path.with_name(f"{path.stem}-{os.getpid()}.part.npz")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        np.savez(
-            partial, force=table.highest_force, radius=table.contact_radius, change=table.change
-        )
-        partial.replace(path)
-    except OSError:  # a folder that cannot be written only means to solve again next time
-        partial.unlink(missing_ok=True)
-    return table
-
-
-def cache_path(tool: SceneTool, layer: Layer, pad_diameter: float) -> Path:
-    """Where a table is kept: its name depends on what is pressed and on the code that solves it."""
-    root = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
-    asked = f"{tool!r} {astuple(layer)!r} {pad_diameter!r} {_code()}"
-    name = hashlib.sha256(asked.encode()).hexdigest()[:24]
-    return Path(root) / "skinfield" / f"press-{name}.npz"
-
-
-@cache
-def _code() -> str:
-    """Digest of the sources that a table comes from, so that no change of them is missed."""
-    root, digest = Path(__file__).parent.parent, hashlib.sha256()
-    for room in ("simulate", "elastic"):
-        for file in sorted((root / room).rglob("*.py")):
-            digest.update(file.read_bytes())
-    digest.update(Path(__file__).read_bytes())
-    return digest.hexdigest()
-
-
-class PressTables:
-    """Tables that are there, and those that are on their way, of presses on one layer."""
-
-    def __init__(self, layer: Layer) -> None:
-        self._layer = layer
-        self._there: dict[Key, PressTable] = {}
-        self._running: dict[Key, subprocess.Popen[bytes]] = {}
-
-    def get(self, key: Key) -> PressTable | None:
-        """A table, if it is there or was solved before."""
-        if key not in self._there and cache_path(key[0], self._layer, key[1]).is_file():
-            return self.now(key)
-        return self._there.get(key)
-
-    def now(self, key: Key) -> PressTable:
-        """A table, solved here if it must be."""
-        if key not in self._there:
-            self._there[key] = table_for(key[0], self._layer, key[1])
-        return self._there[key]
-
-    def poll(self, wanted: Sequence[Key]) -> bool:
-        """Take in what is solved, and have others solved, the last first; whether there was some.
-
-        Where nothing could be stored, it is solved here after all.
-        """
-        ended = [key for key, process in self._running.items() if process.poll() is not None]
-        for key in ended:
-            del self._running[key]
-            self.now(key)
-        for key in reversed(wanted):
-            if len(self._running) < AT_ONCE and key not in self._there | self._running:
-                self._solve(key)
-        return bool(ended)
-
-    def _solve(self, key: Key) -> None:
-        script = SCRIPT.format(tool=key[0], layer=astuple(self._layer), pad_diameter=key[1])
-        quiet = subprocess.DEVNULL
-        self._running[key] = subprocess.Popen(
-            [sys.executable, "-c", script], stdin=quiet, stdout=quiet, stderr=quiet
-        )
-
-    def close(self) -> None:
-        """End what runs."""
-        for process in self._running.values():
-            process.kill()
-            process.wait()
-        self._running.clear()
-
-
 MOST = 64  # presses at once, by hand
+AHEAD = 64  # tables that are solved before they are pressed with
 KEPT = 20  # notes
 LONGEST_ID = 64  # characters
 
@@ -263,6 +45,7 @@ class World:
         self._plane = np.ascontiguousarray(stated)
         self._solving = PressTables(layer)
         self._by_hand: dict[str, CurrentPress] = {}
+        self._ahead: list[Key] = []  # to be solved before they press, the newest last
         self._numbers = itertools.count(1)
         self._published: list[CurrentPress] | None = None
         self.notes: list[str] = []
@@ -347,7 +130,31 @@ class World:
 
     def _solve(self) -> bool:
         presses = self._by_hand.values()
-        return self._solving.poll([self._key(each.patch, each.tool) for each in presses])
+        wanted = [self._key(each.patch, each.tool) for each in presses]
+        return self._solving.poll(wanted, self._ahead)
+
+    def prepare(self, request: Request) -> dict[str, Any]:
+        """Have a tool solved before it presses, wherever that may be; the newest comes first."""
+        tool = SceneTool(request.radius, request.shape)
+        keys = [key for key in self._keys(tool) if self._solving.get(key) is None]
+        self._ahead = [*(each for each in self._ahead if each not in keys), *keys][-AHEAD:]
+        return {"solving": bool(keys)}
+
+    def _keys(self, tool: SceneTool) -> list[Key]:
+        """Of a tool on each kind of taxel there is."""
+        return [(tool, pad) for pad in dict.fromkeys(each.pad_diameter for each in self.skin)]
+
+    def tools(self, request: Request) -> dict[str, Any]:
+        """Tools that press at once anywhere, and those being solved, with the share done."""
+        solved = dict.fromkeys(tool for tool, _ in self._solving.solved)
+        ready = [tool for tool in solved if self._solving.solved.issuperset(self._keys(tool))]
+        shares: dict[SceneTool, float] = {}
+        for (tool, _), share in self._solving.shares.items():
+            shares[tool] = min(share, shares.get(tool, 1.0))
+        return {
+            "ready": [_plain(tool) for tool in ready],
+            "preparing": [_plain(tool) | {"share": share} for tool, share in shares.items()],
+        }
 
     @property
     def waits(self) -> list[str]:
@@ -406,3 +213,7 @@ class World:
     def close(self) -> None:
         """End what is being solved."""
         self._solving.close()
+
+
+def _plain(tool: SceneTool) -> dict[str, Any]:
+    return {"shape": tool.shape, "radius": tool.radius}

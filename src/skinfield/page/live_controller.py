@@ -4,6 +4,7 @@ import math
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from typing import Any
 
 from skinfield.errors import InputError, SkinfieldError, check_choice
@@ -133,6 +134,8 @@ class LiveController(Controller):
             fields["off"]["press"] = NO_VIRTUAL
         else:
             fields["scene"] = self.presser.playing
+            with suppress(SkinfieldError):  # a skin that starts anew answers the next time
+                fields["tools"] = self.presser.tools()
         if self._solvers:
             value, preparing = self._solver, self._preparing or None
             fields["solver"] = {"value": value, "options": self._solvers, "preparing": preparing}

@@ -4,7 +4,7 @@ import asyncio
 import threading
 import time
 from collections import deque
-from collections.abc import Awaitable, Callable, Sequence
+from collections.abc import Awaitable, Callable, Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import PurePath
@@ -14,7 +14,6 @@ from skinfield.errors import SkinfieldError
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status_text import preparing_of
 from skinfield.page.controller import Controller
-from skinfield.page.notes import viewer_notes
 from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.source import DataSource
 
@@ -24,6 +23,10 @@ NOTICES = 20  # that a browser which comes later still gets
 PREPARES = 60.0  # s
 RETRY = 10.0  # s from one preparation of a source to the next
 TRUTH = 0.03  # s between questions for the truth
+RECENT = 60.0  # s for which it is told that an engine failed
+LATE = 0.01  # of the cycles late lately, from which on it matters that real time was refused
+TOLD = ("failed", "hung")  # events of the supervisor
+NOT_TOLD = "too rarely to tell a dead one from a quiet one"  # of taxels that nothing is wrong with
 T = TypeVar("T")
 
 
@@ -35,6 +38,41 @@ def without_paths(status: dict[str, Any]) -> dict[str, Any]:
         return status
     recorder = {**recorder, "path": PurePath(recorder["path"]).name}
     return {**status, "beside": {**beside, "recorder": recorder}}
+
+
+def viewer_notes(status: Mapping[str, Any], simulated: bool) -> list[str]:
+    """What `Status.as_dict` tells that a viewer can act on, in sentences.
+
+    The rest is told by `skinfield status`.
+
+    Parameters
+    ----------
+    status : mapping
+        Of one engine.
+    simulated : bool
+        Whether its skin is virtual: made without a baseline that could be better.
+    """
+    notes = status.get("notes") or {}
+    if isinstance(notes, list):  # of an engine that cannot be asked
+        return [str(each) for each in notes]
+    supervisor = (status.get("beside") or {}).get("supervisor") or {}
+    since = time.time_ns() - RECENT * 1e9
+    said = [
+        f"the engine {text}"
+        for stamp, what, text in supervisor.get("events", [])
+        if what in TOLD and stamp >= since
+    ][-3:]
+    said += [str(notes[name]) for name in ("failed", "remote", "pace") if notes.get(name)]
+    said += [*str(notes.get("replay", "")).split("; ")[1:], *notes.get("damage", [])]
+    readings = (notes.get("readings") or {}).items()
+    said += [f"{patch}: {text}" for patch, texts in readings for text in texts]
+    made = tuple(f"{patch['name']}:" for patch in status.get("patches", []) if simulated)
+    tare = [text for text in notes.get("tare") or [] if NOT_TOLD not in text]
+    said += [text for text in tare if not text.startswith(made)]
+    lately = status.get("lately") or {}
+    if lately.get("late", 0) > LATE * max(lately.get("cycles", 0), 1):
+        said += (notes.get("granted") or {}).get("refused") or []
+    return list(dict.fromkeys(said))
 
 
 class PageState:
@@ -150,9 +188,9 @@ class PageState:
                 engines.append({"name": source.name, "state": "failed", "notes": [str(error)]})
         states = {each["state"] for each in engines}
         one = states.pop() if len(states) == 1 else ("mixed" if states else "starting")
-        told = [each["notes"] for each in engines if isinstance(each.get("notes"), dict)]
+        notes = [each["notes"] for each in engines if isinstance(each.get("notes"), dict)]
         preparing = min(
-            filter(None, map(preparing_of, told)), key=lambda its: its["done"], default=None
+            filter(None, map(preparing_of, notes)), key=lambda its: its["done"], default=None
         )
         rates = self._rates()
         return {"state": one, "engines": engines, "preparing": preparing, "page": rates}

@@ -8,7 +8,12 @@ from typing import Any, NamedTuple, Protocol
 
 from skinfield.errors import InputError, check_choice, check_range
 
-SHAPES = ("ball", "flat")
+SHAPES = ("ball", "flat", "finger")
+COMMON = {  # radii, m, of tools that are ready before anybody asks for them
+    "ball": (5e-3, 10e-3, 20e-3),
+    "flat": (3e-3, 6e-3),
+    "finger": (10e-3,),
+}
 RADII = (1e-3, 20e-3)  # m
 FORCES = (0.05, 5.0)  # N
 TOOL_RADIUS, TOOL_FORCE = 10e-3, 1.0  # m, N: that the page begins with
@@ -79,7 +84,36 @@ class Presser:
     def offer(self) -> dict[str, Any]:
         """What the page offers."""
         radius, force = [*RADII, TOOL_RADIUS], [*FORCES, TOOL_FORCE]
-        return {"shapes": SHAPES, "radius": radius, "force": force, "scenes": SCENES}
+        return {
+            "shapes": SHAPES,
+            "radius": radius,
+            "force": force,
+            "scenes": SCENES,
+            "common": COMMON,
+        }
+
+    def tools(self) -> dict[str, Any]:
+        """Tools that press at once, and those being prepared."""
+        reply = self._virtual.ask({"do": "tools"})
+        return {name: reply.get(name, []) for name in ("ready", "preparing")}
+
+    def prepare_common(self) -> None:
+        """Somebody may press soon: have the common tools ready, the smallest of a shape first."""
+        for shape in COMMON:
+            for radius in reversed(COMMON[shape]):  # the last that is asked for comes first
+                self.prepare(shape, radius)
+
+    def prepare(self, shape: str, radius: float) -> dict[str, Any]:
+        """Have a tool ready before it presses.
+
+        Raises
+        ------
+        InputError
+            For a tool that there is none of.
+        """
+        check_range("radius", radius, *RADII, "metres")
+        check_choice("shape", shape, SHAPES, "what presses")
+        return self._virtual.ask({"do": "prepare", "shape": shape, "radius": radius})
 
     @property
     def placed(self) -> int:

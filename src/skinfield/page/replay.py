@@ -14,6 +14,7 @@ from skinfield.loop.realtime import Timing, TimingTable
 from skinfield.loop.slots import CycleSlot, say_nothing
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status import LiveStatus, patch_rows, plain_contacts
+from skinfield.page.timeline import Timeline
 from skinfield.record.replay import RecordedCycle, Replay
 from skinfield.skin import Skin
 
@@ -98,6 +99,9 @@ class RecordingSource:
         When what happened, s.
     gaps : list of (float, float)
         Spans, s, of which cycles are missing.
+    timeline : Timeline
+    loop : bool
+        Whether it begins anew at its end.
 
     Raises
     ------
@@ -132,8 +136,10 @@ class RecordingSource:
         self._clock = Clock(playing)
         self._target: int | None = self._first_ns  # time to go to, ns
         self._closed, self._at_end, self._failed = False, False, ""
+        self.loop = False
         self._thread = threading.Thread(target=self._run, name=f"replay-{self.name}", daemon=True)
         self._thread.start()
+        self.timeline = Timeline(self.replay.recording.path, index.first_ns, self.end_s)
 
     def _seconds(self, time_ns: int) -> float:
         """Of a time since the epoch, ns; those outside of the recording are at its ends."""
@@ -212,6 +218,8 @@ class RecordingSource:
             said["failed"] = self._failed
         if self._clock.behind:
             said["pace"] = "slower than asked: it is read as fast as it can be here"
+        if self.timeline.damage:
+            said["timeline"] = f"ends early: {self.timeline.damage}"
         if self.replay.recording.damage:
             said["damage"] = [str(each) for each in self.replay.recording.damage[:3]]
         return said
@@ -244,6 +252,17 @@ class RecordingSource:
             self._target = self._first_ns + round(min(max(t_s, 0.0), self.end_s) * 1e9)
             self._changed.notify_all()
 
+    def step(self, count: int) -> None:
+        """Pause, and go so many readings on, or back."""
+        place = self.timeline.step(self.time_s, count)
+        self.pause()
+        self.seek(place)
+
+    def set_loop(self, on: bool) -> None:
+        """Whether to begin anew at the end."""
+        with self._changed:
+            self.loop = on
+
     def set_speed(self, x: float) -> None:
         """Play so many times as fast as it was, 0.1 to 10."""
         check_range("speed", x, *SPEEDS, "times its own pace")
@@ -252,7 +271,8 @@ class RecordingSource:
             self._changed.notify_all()
 
     def close(self) -> None:
-        """End the thread."""
+        """End the threads."""
+        self.timeline.close()
         with self._changed:
             self._closed = True
             self._changed.notify_all()
@@ -346,6 +366,8 @@ class RecordingSource:
         """Stay at the end until another time is asked for."""
         with self._changed:
             self._arrive(target)
+            if self._target is None and self.loop and self._clock.playing:
+                self._target = self._first_ns
             if self._target is None:
                 self._clock.pause()
                 self._at_end = True

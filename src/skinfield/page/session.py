@@ -15,6 +15,7 @@ from skinfield.page.page_state import PageState
 from skinfield.page.presser import PressRequest
 from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.source import EngineView
+from skinfield.page.timeline import HEAD
 from skinfield.page.updates import Updates
 from skinfield.page.wire import VERSION
 
@@ -83,6 +84,8 @@ STATUS = 0.5  # s from status to status
 SILENT = 20.0  # s without a word about an update, after which a browser loses its place
 FULL, HUNG = 1013, 4008  # codes of ends that a page tells: no place, or lost it by silence
 COMMANDS = 32  # of a browser that are not answered yet
+ORDERS = ("open", "close", "play", "pause", "seek", "speed", "step", "loop", "contacts")
+MOST_STEPS = 1000  # readings at once
 PRESSES = ("press", "move", "lift")  # may come with every movement of a pointer
 
 
@@ -107,6 +110,7 @@ class Session:
         self._sent_at = self._status_at = 0.0
         self._controls = ""
         self._status_number = 0
+        self._outlined = False  # whether the timeline of the recording was sent
         self._tasks: set[asyncio.Task[None]] = set()
         self._noted = state.notices[-1][0] if state.notices else 0
 
@@ -116,6 +120,8 @@ class Session:
 
         if (recordings := self._state.controller.recordings) is not None:
             self._state.submit(recordings.prepare)  # it is not waited for
+        if (presser := self._state.controller.presser) is not None:
+            self._state.submit(presser.prepare_common)
         listening = asyncio.create_task(self._listen())
         try:
             while not listening.done():
@@ -160,6 +166,9 @@ class Session:
         for place, level, words in [each for each in state.notices if each[0] > self._noted]:
             self._noted = place
             await self._send_kind("notice", level=level, text=words)
+        if not self._outlined and self._replay is not None and self._replay.timeline.told:
+            self._outlined = True
+            await self._send_kind("timeline", **self._replay.timeline.told)
         if self._awaited and now - self._sent_at > SILENT:
             await self._socket.close(HUNG, f"nothing was drawn here for {SILENT:g} s")
         elif not self._awaited and now - self._sent_at >= SHORTEST:
@@ -170,7 +179,7 @@ class Session:
         before, quantity = self._replay, self._updates.quantity
         self._replay, self._updates = replay, Updates(layout)
         self._updates.show(quantity)
-        self._awaited, self._last, self._controls = 0, (), ""
+        self._awaited, self._last, self._controls, self._outlined = 0, (), "", False
         await self._send_kind("hello", **self._hello(layout))
         if before is not replay:
             await self._close(before)
@@ -178,7 +187,7 @@ class Session:
     def _hello(self, layout: SceneLayout) -> dict[str, Any]:
         state, replay = self._state, self._replay
         fields = {"wire": VERSION, "version": version("skinfield"), "patches": layout.describe()}
-        fields |= {"name": layout.name, "size": layout.size}
+        fields |= {"name": layout.name, "size": layout.size, "columns": HEAD}
         fields |= state.controller_hello | {"mode": state.controller.mode, "replay": None}
         if replay is not None:
             span = {"start_s": replay.start_s, "end_s": replay.end_s}
@@ -191,7 +200,7 @@ class Session:
         replay = self._replay
         if replay is not None:
             fields |= self._state.looking_on
-            names = ("playing", "speed", "name")
+            names = ("playing", "speed", "name", "loop")
             fields["replay"] = {name: getattr(replay, name) for name in names}
         return fields
 
@@ -283,6 +292,9 @@ class Session:
             "move": lambda: controller.pressing.press(self._press(command)),
             "lift": lambda: controller.pressing.lift(self._mine(command.get("id"))),
             "scene": lambda: controller.pressing.scene(text(command, "name")),
+            "tool": lambda: controller.pressing.prepare(
+                text(command, "shape"), number(command, "radius", 1e-4, 0.1, "metres")
+            ),
         }
         if do not in commands:
             raise InputError(f"do is {do[:40]!r}, expected one of {', '.join(commands)}")
@@ -321,13 +333,22 @@ class Session:
         replay = self._replay
         if replay is None:
             raise InputError(f"{what} is for a recording, and this is a live skin: open one first")
-        check_choice("what", what, ("open", "close", "play", "pause", "seek", "speed"), "an order")
+        check_choice("what", what, ORDERS, "an order")
         if what == "close":
             if replay is state.controller.shared:
                 raise InputError("there is no live skin here, only the recording that is shown")
             await self._begin(state.layout, state.controller.shared)
         elif what in ("play", "pause"):
             await state.command_work(getattr(replay, what))
+        elif what == "contacts":
+            table = await asyncio.to_thread(replay.timeline.csv, replay.start_s, replay.end_s)
+            return {"csv": table}
+        elif what == "step":
+            count = number(command, "value", -MOST_STEPS, MOST_STEPS, "readings")
+            await state.command_work(lambda: replay.step(int(count)))
+        elif what == "loop":
+            on = flag(command, "value")
+            await state.command_work(lambda: replay.set_loop(on))
         else:
             low, high = (replay.start_s, replay.end_s) if what == "seek" else (0.1, 10.0)
             place = number(command, "value", low, high, "s of the recording, or times its own pace")

@@ -18,6 +18,7 @@ from skinfield.loop.slots import CycleHead
 from skinfield.loop.snapshot import Snapshot
 from skinfield.page.scene_layout import PlacedPatch, SceneLayout
 from skinfield.page.source import OLD, EngineView
+from skinfield.page.timeline import lines, rows_of
 from skinfield.page.wire import packed, scaled
 from skinfield.reconstruct.engine.report import WORDS
 
@@ -98,6 +99,7 @@ class Updates:
         self._sent: dict[int, tuple[Any, ...]] = {}
         self._strongest: dict[int, float] = {}
         self._seen: dict[int, SeenContacts] = {}
+        self._start_ns = 0  # of the first reading that was shown
 
     def show(self, quantity: Any) -> None:
         """Choose what the colours mean.
@@ -161,7 +163,15 @@ class Updates:
         }
         if time_s is not None:
             head["time_s"] = time_s
+        else:
+            head["rows"] = self._rows(known)
         return [*parcel.geometry, packed(head, parcel.arrays)]
+
+    def _rows(self, known: Sequence[Snapshot]) -> list[str]:
+        """Lines of the table of contacts; the time of the first is 0."""
+        stamps = [each.stamp_ns for each in known if each.stamp_ns]
+        self._start_ns = self._start_ns or min(stamps, default=0)
+        return [line for each in known for line in lines(rows_of(each, self._start_ns))]
 
     def _unit(self, known: Sequence[Snapshot], relative: bool) -> str:
         if self.quantity != "taxels":

@@ -13,5 +13,6 @@ from skinfield.simulate.indenters.shapes import Wedge as Wedge
 from skinfield.simulate.indenters.surfaces import HeightMap as HeightMap
 from skinfield.simulate.indenters.surfaces import Mesh as Mesh
 from skinfield.simulate.pressing.press import Press as Press
+from skinfield.simulate.pressing.press import ladder_steps as ladder_steps
 from skinfield.simulate.pressing.press import press as press
 from skinfield.simulate.pressing.press import press_ladder as press_ladder

@@ -1,6 +1,6 @@
 """Press on the skin with everything known: the truth that reconstructions are judged against."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -463,19 +463,30 @@ def press_ladder(
     InputError
         For a force that is not above 0, or that pushes the body through the layer.
     """
+    found = dict(ladder_steps(layer, indenter, forces, extent, cell, mechanics))
+    return [found[index] for index in range(len(found))]
+
+
+def ladder_steps(
+    layer: Layer,
+    indenter: Indenter,
+    forces: ArrayLike | Sequence[float],
+    extent: float = 60e-3,
+    cell: float = 0.5e-3,
+    mechanics: Mechanics | None = None,
+) -> Iterator[tuple[int, Press]]:
+    """Presses of `press_ladder` one by one as they are solved, each with its place in `forces`."""
     loads = as_floats("forces", forces)
     check_shape("forces", loads, (None,), "one press per force, in newtons")
     skin = skin_of(layer, extent, cell, mechanics)
-    found: dict[int, Press] = {}
     before: Settled | None = None
     for index in np.argsort(loads, kind="stable"):
         body = replace(indenter, force=float(loads[index]), depth=None)
         if are_soft([body]):
-            found[int(index)] = _softly(skin, [body])
+            yield int(index), _softly(skin, [body])
             continue
         before = settle(skin, [body], before)
-        found[int(index)] = pressed(before, [body], None)
-    return [found[index] for index in range(len(loads))]
+        yield int(index), pressed(before, [body], None)
 
 
 Readings = Callable[[Floats], Floats]
