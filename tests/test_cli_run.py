@@ -323,7 +323,7 @@ def test_a_calibration_by_touch_is_taken_live_and_by_its_recording(tmp_path: Pat
     summary = result_of("reconstruct", file, "--skin", file)
     assert summary["scale"] == "relative"
     assert summary["taxels_left_out"] == 3
-    assert "thickness=0.0017" in summary["layer"]
+    assert "thickness 1.70 mm" in summary["layer"]
     assert summary["options"]["mechanics"] == "covered-layer"
 
 

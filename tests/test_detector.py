@@ -384,8 +384,11 @@ def test_lengths_of_a_stream() -> None:
         ({"spacing": 1e-6}, "spacing is 1e-06 m, expected .* or more on this patch"),
         ({"patch": "hexagon72"}, "patch is 'hexagon72', expected a Patch"),
         ({"layer": 2e-3}, r"layer is 0.002, expected a Layer"),
-        ({"mechanics": "layer"}, "mechanics is 'layer', which has no"),
-        ({"quantity": "capacitance"}, r"quantity is 'capacitance', .* one of Capacitance\(\)"),
+        ({"mechanics": "layer"}, r"mechanics is 'layer', a string; .* sf.BondedLayer\(\)"),
+        (
+            {"quantity": "capacitance"},
+            r"quantity is 'capacitance', a string; .* sf.Capacitance\(\)",
+        ),
         ({"statistic": LargestMatch}, r"statistic is the class .* give LargestMatch\(\)"),
         ({"false_alarm_rate": "x"}, "false_alarm_rate is 'x', expected a number"),
         ({"common_mode": "x"}, "common_mode is 'x', expected False, True, or"),

@@ -269,7 +269,10 @@ def disk() -> Iterator[Finding]:
         )
     elif free < LEAST_DISK:
         yield Finding(
-            "folder", "note", found, "recordings need room: docs/reference/recording-file.md says how much"
+            "folder",
+            "note",
+            found,
+            "recordings need room: docs/reference/recording-file.md says how much",
         )
     else:
         yield Finding("folder", "OK", found)

@@ -313,17 +313,26 @@ def save_picture(
 
 
 @contextmanager
-def signals_end() -> Iterator[None]:
-    """SIGTERM and SIGHUP end the block as Ctrl-C does.
+def signals_end() -> Iterator[list[int]]:
+    """SIGTERM and SIGHUP end the block as Ctrl-C does; gives the signals that came.
 
-    What was set before is set again afterwards: programs that are started later would inherit a
-    signal that is ignored, and could not be told to end.
+    An import that tries another one after any error swallows KeyboardInterrupt, too: whoever
+    starts much looks afterwards whether a signal came. What was set before is set again afterwards:
+    programs that are started later would inherit a signal that is ignored, and could not be told
+    to end.
     """
     before = {number: signal.getsignal(number) for number in ENDINGS}
-    for number in ENDINGS[1:]:
-        signal.signal(number, signal.default_int_handler)
+    came: list[int] = []
+
+    def end(number: int, frame: object) -> None:
+        came.append(number)
+        raise KeyboardInterrupt
+
+    for number in ENDINGS:
+        if number != signal.SIGINT or before[number] is signal.default_int_handler:
+            signal.signal(number, end)
     try:
-        yield
+        yield came
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

@@ -116,7 +116,7 @@ def run(
         return
     console = Console(stderr=True)
     check_settings(wanted, force)
-    with report.signals_end(), ExitStack() as parts:
+    with report.signals_end() as came, ExitStack() as parts:
         try:
             browser = page.browser and not headless
 
@@ -124,6 +124,8 @@ def run(
                 report.show_address(address, console, browser=browser, as_json=as_json)
 
             running = start_all(wanted, parts, console, opened)
+            if came:
+                raise KeyboardInterrupt
             screen = None
             if not headless:
                 screen = Screen(console=console, auto_refresh=False, vertical_overflow="crop")
