@@ -332,7 +332,6 @@ def run(command: str, *arguments: str) -> None:
 def main(foot: str | None, force: str | None, foot_layout: str | None) -> None:
     """Make all pictures."""
     IMAGES.mkdir(exist_ok=True)
-    run("demo", "-o", str(IMAGES / "demo.png"))
     holes()
     for quantity in QUANTITIES:
         blindness(quantity)
