@@ -1,6 +1,7 @@
 """Python's surface: pictures, notebooks, reading any file, pickles, data sets, names."""
 
 import base64
+import json
 import multiprocessing
 import pickle
 import re
@@ -11,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib import pyplot
+from mcap_sample import ROWS
 
 import skinfield as sf
 from skinfield import errors, plot
@@ -18,7 +20,9 @@ from skinfield.calibrate import save_calibration
 from skinfield.errors import FileError, InputError
 from skinfield.estimate.contact_table import COLUMNS
 from skinfield.files import save_recording, write_contacts
-from skinfield.signal import Calibration
+from skinfield.files.mcap import RecordingWriter
+from skinfield.files.mcap.schema import Enclosed
+from skinfield.signal import Blocks, Calibration, Kind
 from skinfield.skin.reading import Recording
 
 PATCH = sf.layouts.rectangular(rows=4, columns=5)
@@ -258,6 +262,33 @@ def test_any_file_is_read_by_its_content(tmp_path: Path) -> None:
     assert sf.read(tmp_path / "contacts.parquet").column_names == list(COLUMNS)
     sf.save_results(tmp_path / "run.skinfield", reconstructor(), RUN, np.arange(3) * 10**9)
     assert sf.read(tmp_path / "run.skinfield").sizes["reading"] == 3
+
+
+def test_a_recording_of_a_live_skin_that_encloses_its_files_is_read(tmp_path: Path) -> None:
+    blocks = Blocks(512)
+    sf.save_layout(PATCH, tmp_path / "hand.toml")
+    save_calibration(Calibration.identity(PATCH, noise_std=0.01), tmp_path / "its.toml")
+    stated = {"ports": [["skin", 20, "count"]], "calibration": "skinfield-calibration"}
+    files = {name: (tmp_path / name).read_bytes() for name in ("hand.toml", "its.toml")}
+    files["configuration.json"] = json.dumps(stated).encode()
+    enclosed = [Enclosed(name, "", data) for name, data in files.items()]
+    writer = RecordingWriter(tmp_path / "touch", enclosed, layout=ROWS)
+    for stamp in (0, 10**7):
+        blocks.put(stamp, 0, np.arange(20.0) + stamp, Kind.FLOATS)
+    writer.write_blocks(10**7, 0, bytes(blocks.data))
+    writer.close()
+    read = sf.read(tmp_path / "touch")
+    np.testing.assert_array_equal(read.counts, np.arange(20.0) + [[0.0], [1e7]])
+    assert read.stamp_ns.tolist() == [0, 10**7]
+    with pytest.raises(FileError, match="no known format, expected a layout file"):
+        sf.load_layout(tmp_path / "touch")
+
+
+@pytest.mark.parametrize("made_by", ["skinfield-calibration 2", "skinfield_layout = 1"])
+def test_a_table_that_names_our_formats_in_a_comment_is_read(tmp_path: Path, made_by: str) -> None:
+    lines = "# unit = count", f"# source = made with {made_by}", "time_s,taxel_0", "0,1", "1,2"
+    (tmp_path / "a.csv").write_text("\n".join(lines) + "\n")
+    assert sf.read(tmp_path / "a.csv").counts.tolist() == [[1.0], [2.0]]
 
 
 def test_what_is_nothing_known_is_told_with_what_was_tried(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Reader of any file or folder of skinfield's, told by what is in it."""
 
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -7,6 +8,7 @@ from typing import Any
 from skinfield.errors import FileError
 from skinfield.estimate.contact_table import COLUMNS, load_pyarrow
 from skinfield.files.layouts.load import FORMATS, fitting_formats, load_layout
+from skinfield.files.mcap.container import MAGIC
 from skinfield.files.recordings.open import open_recording
 from skinfield.files.results import open_results
 from skinfield.reconstruct.serialisation import ARRAYS
@@ -15,6 +17,7 @@ from skinfield.signal.calibration_file import FORMAT
 PARQUET, ZIP = b"PAR1", b"PK\x03\x04"
 LONG = 1 << 25  # bytes: no layout is longer
 HEAD = 1 << 16  # bytes of a file, among which a table's names are
+CALIBRATION = re.compile(rb"(?m)^[ \t]*[\"']?format[\"']?[ \t]*=[ \t]*[\"']" + FORMAT.encode())
 EXPECTED = "a layout, a calibration, a recording, results or a table of contacts"
 
 
@@ -78,7 +81,9 @@ def _read_folder(path: Path) -> Any:
 
 def _read_file(path: Path) -> Any:
     data = _beginning(path)
-    if FORMAT.encode() in data[:HEAD] or (data.startswith(ZIP) and _is_calibration(path)):
+    if data.startswith(MAGIC):  # it encloses layouts and calibrations
+        return open_recording(path)
+    if CALIBRATION.search(data[:HEAD]) or (data.startswith(ZIP) and _is_calibration(path)):
         from skinfield.calibrate import load_calibration
 
         return load_calibration(path)
