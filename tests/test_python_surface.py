@@ -5,6 +5,7 @@ import json
 import multiprocessing
 import pickle
 import re
+import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -278,10 +279,35 @@ def test_a_recording_of_a_live_skin_that_encloses_its_files_is_read(tmp_path: Pa
     writer.write_blocks(10**7, 0, bytes(blocks.data))
     writer.close()
     read = sf.read(tmp_path / "touch")
-    np.testing.assert_array_equal(read.counts, np.arange(20.0) + [[0.0], [1e7]])
+    np.testing.assert_array_equal(read.counts, np.arange(20) + np.array([[0.0], [1e7]]))
     assert read.stamp_ns.tolist() == [0, 10**7]
     with pytest.raises(FileError, match="no known format, expected a layout file"):
         sf.load_layout(tmp_path / "touch")
+
+
+def test_contacts_of_a_csv_are_read_without_pyarrow(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, run = tmp_path / "contacts.csv", reconstructor()(RUN, stamp_ns=np.arange(3) * 10**9)
+    write_contacts(path, run)
+    for module in ("pyarrow", "pyarrow.parquet", "pyarrow.csv"):
+        monkeypatch.setitem(sys.modules, module, None)
+    read = sf.read(path)
+    assert read.column_names == list(COLUMNS)
+    assert read.to_pandas().equals(run.contacts.to_pandas())
+    assert read["force_N"].tolist() == [one.normal_force for each in run.contacts for one in each]
+    head, first, *_ = path.read_text().splitlines()
+    path.write_text(f"# by hand\n{head},track,grip\n{first},,left\n")
+    assert np.isnan(sf.read(path)["track"]).all()
+    assert sf.read(path)["grip"].tolist() == ["left"]
+    path.write_text(f"{head}\n{first.replace('1,', 'one,', 1)}\n")
+    with pytest.raises(FileError, match=r"column reading: .*'one'.* expected a whole table"):
+        sf.read(path)
+    path.write_text(f"{head}\n{first[:20]}\n")
+    with pytest.raises(FileError, match=r"row 1 has .* values, expected 24"):
+        sf.read(path)
+    path.write_text(f"{head}\n")
+    assert len(sf.read(path)) == 0
 
 
 @pytest.mark.parametrize("made_by", ["skinfield-calibration 2", "skinfield_layout = 1"])

@@ -1,12 +1,21 @@
 """Reader of any file or folder of skinfield's, told by what is in it."""
 
+import csv
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from skinfield.errors import FileError
-from skinfield.estimate.contact_table import COLUMNS, load_pyarrow
+from skinfield.estimate.contact_table import (
+    COLUMNS,
+    LISTED_KINDS,
+    ContactTable,
+    load_pyarrow,
+)
 from skinfield.files.layouts.load import FORMATS, fitting_formats, load_layout
 from skinfield.files.mcap.container import MAGIC
 from skinfield.files.recordings.open import open_recording
@@ -14,6 +23,7 @@ from skinfield.files.results import open_results
 from skinfield.reconstruct.serialisation import ARRAYS
 from skinfield.signal.calibration_file import FORMAT
 
+KINDS = dict(LISTED_KINDS)
 PARQUET, ZIP = b"PAR1", b"PK\x03\x04"
 LONG = 1 << 25  # bytes: no layout is longer
 HEAD = 1 << 16  # bytes of a file, among which a table's names are
@@ -32,10 +42,10 @@ def read(path: str | Path) -> Any:
     Returns
     -------
     Skin, Recording, Calibration, TouchCalibration, PressureCalibration, ForceCalibration, \
-xarray.Dataset or pyarrow.Table
+xarray.Dataset, ContactTable or pyarrow.Table
         A layout is a `Skin`; a recording, of a live skin (MCAP) too, a `Recording`; a folder of
-        results a dataset as `open_results` gives it; a table of contacts, CSV or Parquet, one of
-        pyarrow's, of which ``to_pandas()`` makes a data frame.
+        results a dataset as `open_results` gives it; a table of contacts a `ContactTable` of CSV,
+        one of pyarrow's of Parquet: ``to_pandas()`` makes a data frame of either.
 
     Raises
     ------
@@ -87,8 +97,10 @@ def _read_file(path: Path) -> Any:
         from skinfield.calibrate import load_calibration
 
         return load_calibration(path)
-    if data.startswith(PARQUET) or _is_contact_table(data):
-        return _read_contacts(path, data)
+    if data.startswith(PARQUET):
+        return _read_parquet(path)
+    if _is_contact_table(data):
+        return _read_contact_csv(path)
     if fitting_formats(data):
         return load_layout(path)
     try:
@@ -114,8 +126,6 @@ def _beginning(path: Path) -> bytes:
 
 def _is_calibration(path: Path) -> bool:
     """Whether an NPZ file says so; what it says beside that is for who reads it."""
-    import numpy as np
-
     try:
         with np.load(path, allow_pickle=False) as file:
             return "format" in file.files and str(file["format"]) == FORMAT
@@ -132,17 +142,10 @@ def _is_contact_table(data: bytes) -> bool:
     return head.split(",")[: len(COLUMNS)] == list(COLUMNS)
 
 
-def _read_contacts(path: Path, data: bytes) -> Any:
+def _read_parquet(path: Path) -> Any:
     arrow = load_pyarrow()
-    import pyarrow.csv
-
     try:
-        if data.startswith(PARQUET):
-            table = arrow.parquet.read_table(path)
-        else:
-            comments = sum(1 for _ in _comments(data))
-            options = pyarrow.csv.ReadOptions(skip_rows=comments)
-            table = pyarrow.csv.read_csv(path, read_options=options)
+        table = arrow.parquet.read_table(path)
     except (OSError, ValueError, arrow.ArrowException) as error:
         raise FileError(
             f"{path} cannot be read: {error}; expected a whole table of contacts"
@@ -156,8 +159,36 @@ def _read_contacts(path: Path, data: bytes) -> Any:
     return table
 
 
-def _comments(data: bytes) -> Iterator[str]:
-    for line in _lines(data):
-        if not line.startswith("#"):
-            return
-        yield line
+def _read_contact_csv(path: Path) -> ContactTable:
+    try:
+        with path.open(encoding="utf-8", newline="") as file:
+            names, *rows = (
+                row for row in csv.reader(line for line in file if line[:1] != "#") if row
+            )
+        if twice := [name for name in names if names.count(name) > 1]:
+            raise ValueError(f"column {twice[0]!r} is there twice")
+        for number, row in enumerate(rows, 1):
+            if len(row) != len(names):
+                raise ValueError(f"row {number} has {len(row)} values, expected {len(names)}")
+        cells = zip(*rows, strict=True) if rows else ((),) * len(names)
+        columns = {name: _column(name, each) for name, each in zip(names, cells, strict=True)}
+    except (OSError, ValueError, OverflowError, csv.Error) as error:
+        raise FileError(
+            f"{path} cannot be read: {error}; expected a whole table of contacts"
+        ) from error
+    return ContactTable(columns)
+
+
+def _column(name: str, cells: Sequence[str]) -> NDArray[Any]:
+    """Values of a column; of one that no table of contacts has, numbers, or else words."""
+    kind = KINDS.get(name)
+    if kind is not None and kind.kind == "U":
+        return np.array(cells, np.str_)
+    try:
+        if kind is not None and kind.kind == "i" and all(cells):
+            return np.array([int(cell) for cell in cells], np.int64)
+        return np.array([float(cell or "nan") for cell in cells], np.float64)
+    except ValueError as error:
+        if kind is None:
+            return np.array(cells, np.str_)
+        raise ValueError(f"column {name}: {error}") from error
