@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from matplotlib import pyplot
 from mcap_sample import ROWS
+from scipy.io import savemat
 
 import skinfield as sf
 from skinfield import errors, plot
@@ -21,6 +22,7 @@ from skinfield.calibrate import save_calibration
 from skinfield.errors import FileError, InputError
 from skinfield.estimate.contact_table import COLUMNS
 from skinfield.files import save_recording, write_contacts
+from skinfield.files.layouts import own_toml
 from skinfield.files.mcap import RecordingWriter
 from skinfield.files.mcap.schema import Enclosed
 from skinfield.signal import Blocks, Calibration, Kind
@@ -308,6 +310,32 @@ def test_contacts_of_a_csv_are_read_without_pyarrow(
         sf.read(path)
     path.write_text(f"{head}\n")
     assert len(sf.read(path)) == 0
+
+
+def test_a_log_of_any_columns_is_read_by_its_skins_file(tmp_path: Path) -> None:
+    names = [f"q{k}" for k in range(20)]
+    log = f"[log]\ntime = 'when'\ntime_unit = 'ms'\ncolumns = {names}\nunit = 'dC/C0'\n"
+    of_array = f"[log]\nrate_hz = 50.0\ncolumns = {[str(k + 1) for k in range(20)]}\n"
+    values = np.outer([1.0, 2.0, 3.0], np.arange(20.0))
+    table = np.column_stack([np.zeros(3), [0.0, 20.0, 40.0], values])
+    head = ",".join(["battery", "when", *names])
+    np.savetxt(tmp_path / "log.csv", table, "%g", ",", header=head, comments="")
+    savemat(tmp_path / "log.mat", {"C": values})
+    for file, text, unit in (("log.csv", log, "dC/C0"), ("log.mat", of_array, "count")):
+        own_toml.write(sf.Skin(PATCH, name="mine"), tmp_path / "mine.toml", text)
+        read = sf.read(tmp_path / file, skin=str(tmp_path / "mine.toml"))
+        np.testing.assert_array_equal(read.counts, values)
+        assert read.stamp_ns.tolist() == [0, 20_000_000, 40_000_000]
+        assert read.unit == unit
+        with pytest.raises(FileError, match=r"sf\.read\(path, skin=\.\.\.\).*`skinfield new`"):
+            sf.read(tmp_path / file)
+    save_recording(recording(), tmp_path / "usual.csv")
+    sf.save_layout(PATCH, tmp_path / "mine.toml")  # without [log]: as its format says
+    assert len(sf.read(tmp_path / "usual.csv", skin=tmp_path / "mine.toml")) == 50
+    with pytest.raises(InputError, match=r"skin is Patch.*expected .*that `skinfield new` wrote"):
+        sf.read(tmp_path / "log.csv", skin=PATCH)  # type: ignore[arg-type]
+    with pytest.raises(FileError, match="No such file"):
+        sf.read(tmp_path / "log.csv", skin=tmp_path / "nothing.toml")
 
 
 @pytest.mark.parametrize("made_by", ["skinfield-calibration 2", "skinfield_layout = 1"])

@@ -58,10 +58,11 @@ def check_count(name: str, value: int, low: int, high: int, why: str) -> None:
         )
 
 
-def check_type(name: str, value: object, kind: type, why: str) -> None:
-    """Raise InputError unless `value` is a `kind`; `why` says what to hand in."""
+def check_type(name: str, value: object, kind: type | tuple[type, ...], why: str) -> None:
+    """Raise InputError unless `value` is a `kind`, or one of them; `why` says what to hand in."""
     if not isinstance(value, kind):
-        raise InputError(f"{name} is {_short(value)}, expected {_a(kind)}: {why}")
+        kinds = " or ".join(map(_a, kind if isinstance(kind, tuple) else (kind,)))
+        raise InputError(f"{name} is {_short(value)}, expected {kinds}: {why}")
 
 
 @contextmanager

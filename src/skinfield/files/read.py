@@ -3,13 +3,14 @@
 import csv
 import re
 from collections.abc import Iterator, Sequence
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.errors import FileError
+from skinfield.errors import FileError, check_type
 from skinfield.estimate.contact_table import (
     COLUMNS,
     LISTED_KINDS,
@@ -17,11 +18,13 @@ from skinfield.estimate.contact_table import (
     load_pyarrow,
 )
 from skinfield.files.layouts.load import FORMATS, fitting_formats, load_layout
+from skinfield.files.layouts.own_toml import log_settings
 from skinfield.files.mcap.container import MAGIC
 from skinfield.files.recordings.open import open_recording
 from skinfield.files.results import open_results
 from skinfield.reconstruct.serialisation import ARRAYS
 from skinfield.signal.calibration_file import FORMAT
+from skinfield.skin.log import LogSettings
 
 KINDS = dict(LISTED_KINDS)
 PARQUET, ZIP = b"PAR1", b"PK\x03\x04"
@@ -31,13 +34,17 @@ CALIBRATION = re.compile(rb"(?m)^[ \t]*[\"']?format[\"']?[ \t]*=[ \t]*[\"']" + F
 EXPECTED = "a layout, a calibration, a recording, results or a table of contacts"
 
 
-def read(path: str | Path) -> Any:
+def read(path: str | Path, *, skin: str | Path | None = None) -> Any:
     """Read any recording, layout, calibration or result; its content says which it is.
 
     Parameters
     ----------
     path : str or Path
         Of a file, or of a folder: of results, of a yarpdatadumper log, or of layouts.
+    skin : str or Path, optional
+        The skin's file that ``skinfield new`` wrote: `path` is a log of it, with the columns and
+        units that stand there (``[log]``; else as its format says). It may be a MATLAB, HDF5 or
+        NumPy file, too, such as ``"trial.mat:experiment.C"``.
 
     Returns
     -------
@@ -52,6 +59,8 @@ xarray.Dataset, ContactTable or pyarrow.Table
     FileError
         If there is nothing, if it is none of these, or if it is broken; the message says what was
         tried.
+    InputError
+        If `path` or `skin` is no path, or the log lacks a column.
     SkinfieldError
         If a package that reads it is not installed.
 
@@ -62,6 +71,9 @@ xarray.Dataset, ContactTable or pyarrow.Table
     >>> sf.read("hand.toml")
     Skin('hexagon72', 72 taxels on 1 patch)
     """
+    check_type("path", path, (str, PathLike), f"of {EXPECTED}")
+    if skin is not None:
+        return open_recording(path, log=_log_of(skin))
     path = Path(path)
     try:
         known = path.exists()
@@ -70,6 +82,13 @@ xarray.Dataset, ContactTable or pyarrow.Table
     if not known:
         raise FileError(f"{path}: no such file or folder, expected {EXPECTED}")
     return _read_folder(path) if path.is_dir() else _read_file(path)
+
+
+def _log_of(skin: str | Path) -> LogSettings | None:
+    """How logs of a skin are read, as its file has it; None where as their format says."""
+    check_type("skin", skin, (str, PathLike), "of the skin's file that `skinfield new` wrote")
+    load_layout(skin)
+    return log_settings(Path(skin))
 
 
 def _read_folder(path: Path) -> Any:
