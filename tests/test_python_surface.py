@@ -338,6 +338,25 @@ def test_a_log_of_any_columns_is_read_by_its_skins_file(tmp_path: Path) -> None:
         sf.read(tmp_path / "log.csv", skin=tmp_path / "nothing.toml")
 
 
+def test_what_is_no_path_no_truth_and_no_reading_is_refused_with_what_to_hand_in() -> None:
+    rec, calibrated = reconstructor(), Calibration.identity(PATCH, noise_std=0.01)
+    of_counts = sf.Reconstructor(PATCH, calibration=calibrated, grid=GRID, solver=rec.solver)
+    wrong: list[tuple[Any, str]] = [
+        (lambda: sf.read(5), "path is 5, expected a str or a PathLike: of a layout"),
+        (lambda: sf.read(None), "path is None, expected a str or a PathLike: of a layout"),
+        (lambda: rec(READING).plot(truth=3), "truth is 3, expected an Iterable: of presses, each"),
+        (lambda: rec(READING).plot(truth=[3]), "truth[0] is 3"),
+    ]
+    for each in (rec, of_counts):
+        wrong += [
+            (lambda each=each: each(None), "readings is None, expected numbers: nothing was"),
+            (lambda each=each: each(recording()), "expected numbers: hand in its .counts"),
+        ]
+    for call, said in wrong:
+        with pytest.raises(InputError, match=re.escape(said)):
+            call()
+
+
 @pytest.mark.parametrize("made_by", ["skinfield-calibration 2", "skinfield_layout = 1"])
 def test_a_table_that_names_our_formats_in_a_comment_is_read(tmp_path: Path, made_by: str) -> None:
     lines = "# unit = count", f"# source = made with {made_by}", "time_s,taxel_0", "0,1", "1,2"
