@@ -5,6 +5,7 @@ import json
 import multiprocessing
 import pickle
 import re
+import subprocess
 import sys
 from functools import cache
 from pathlib import Path
@@ -357,6 +358,29 @@ def test_what_is_no_path_no_truth_and_no_reading_is_refused_with_what_to_hand_in
             call()
 
 
+def test_a_damaged_calibration_is_named_and_other_faults_are_not_hidden(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "mine.npz"
+    save_calibration(Calibration.identity(PATCH, noise_std=0.01), path)
+    data = bytearray(path.read_bytes())
+    data[data.index("skin".encode("utf-32-le"))] ^= 1  # its sum no longer fits
+    path.write_bytes(data)
+    with pytest.raises(FileError, match=r"not an NPZ file that can be read: Bad CRC.*format\.npy"):
+        sf.read(path)
+    path.write_bytes(data[: len(data) // 2])
+    with pytest.raises(FileError):
+        sf.read(path)
+
+    def broken(*words: Any) -> None:
+        raise KeyError("a fault of the program")
+
+    monkeypatch.setattr("zipfile.ZipFile.namelist", broken)
+    save_recording(recording(), path)
+    with pytest.raises(KeyError, match="a fault of the program"):
+        sf.read(path)
+
+
 @pytest.mark.parametrize("made_by", ["skinfield-calibration 2", "skinfield_layout = 1"])
 def test_a_table_that_names_our_formats_in_a_comment_is_read(tmp_path: Path, made_by: str) -> None:
     lines = "# unit = count", f"# source = made with {made_by}", "time_s,taxel_0", "0,1", "1,2"
@@ -383,6 +407,12 @@ def test_all_is_what_a_newcomer_needs_and_the_rest_is_there() -> None:
     assert [name for name in dir(sf) if not name.startswith("_")] == sorted(sf.__all__)
     for name in ("load_layout", "load_calibration", "open_results", "load_contacts", "HalfSpace"):
         assert callable(getattr(sf, name))
+
+
+def test_errors_are_there_at_once() -> None:
+    code = "import skinfield as sf; print(issubclass(sf.errors.FileError, sf.errors.InputError))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "True\n"
 
 
 def test_the_version_is_known_without_an_installation(monkeypatch: pytest.MonkeyPatch) -> None:
