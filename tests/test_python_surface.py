@@ -381,6 +381,18 @@ def test_a_damaged_calibration_is_named_and_other_faults_are_not_hidden(
         sf.read(path)
 
 
+def test_a_folder_has_its_name_wherever_one_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "robot" / "left").mkdir(parents=True)
+    sf.save_layout(sf.Patch(PATCH.positions, name="palm"), tmp_path / "robot" / "hand.toml")
+    monkeypatch.chdir(tmp_path / "robot" / "left")
+    for path in ("..", tmp_path / "robot"):
+        assert sf.read(path).name == "robot"
+    monkeypatch.chdir(tmp_path / "robot")
+    assert sf.read(".").name == "robot"
+
+
 @pytest.mark.parametrize("made_by", ["skinfield-calibration 2", "skinfield_layout = 1"])
 def test_a_table_that_names_our_formats_in_a_comment_is_read(tmp_path: Path, made_by: str) -> None:
     lines = "# unit = count", f"# source = made with {made_by}", "time_s,taxel_0", "0,1", "1,2"
