@@ -1,9 +1,12 @@
 """Python's surface: pictures, notebooks, reading any file, pickles, data sets, names."""
 
 import base64
+import json
 import multiprocessing
 import pickle
 import re
+import subprocess
+import sys
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -11,6 +14,8 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib import pyplot
+from mcap_sample import ROWS
+from scipy.io import savemat
 
 import skinfield as sf
 from skinfield import errors, plot
@@ -18,7 +23,10 @@ from skinfield.calibrate import save_calibration
 from skinfield.errors import FileError, InputError
 from skinfield.estimate.contact_table import COLUMNS
 from skinfield.files import save_recording, write_contacts
-from skinfield.signal import Calibration
+from skinfield.files.layouts import own_toml
+from skinfield.files.mcap import RecordingWriter
+from skinfield.files.mcap.schema import Enclosed
+from skinfield.signal import Blocks, Calibration, Kind
 from skinfield.skin.reading import Recording
 
 PATCH = sf.layouts.rectangular(rows=4, columns=5)
@@ -260,6 +268,138 @@ def test_any_file_is_read_by_its_content(tmp_path: Path) -> None:
     assert sf.read(tmp_path / "run.skinfield").sizes["reading"] == 3
 
 
+def test_a_recording_of_a_live_skin_that_encloses_its_files_is_read(tmp_path: Path) -> None:
+    blocks = Blocks(512)
+    sf.save_layout(PATCH, tmp_path / "hand.toml")
+    save_calibration(Calibration.identity(PATCH, noise_std=0.01), tmp_path / "its.toml")
+    stated = {"ports": [["skin", 20, "count"]], "calibration": "skinfield-calibration"}
+    files = {name: (tmp_path / name).read_bytes() for name in ("hand.toml", "its.toml")}
+    files["configuration.json"] = json.dumps(stated).encode()
+    enclosed = [Enclosed(name, "", data) for name, data in files.items()]
+    writer = RecordingWriter(tmp_path / "touch", enclosed, layout=ROWS)
+    for stamp in (0, 10**7):
+        blocks.put(stamp, 0, np.arange(20.0) + stamp, Kind.FLOATS)
+    writer.write_blocks(10**7, 0, bytes(blocks.data))
+    writer.close()
+    read = sf.read(tmp_path / "touch")
+    np.testing.assert_array_equal(read.counts, np.arange(20) + np.array([[0.0], [1e7]]))
+    assert read.stamp_ns.tolist() == [0, 10**7]
+    with pytest.raises(FileError, match="no known format, expected a layout file"):
+        sf.load_layout(tmp_path / "touch")
+
+
+def test_contacts_of_a_csv_are_read_without_pyarrow(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, run = tmp_path / "contacts.csv", reconstructor()(RUN, stamp_ns=np.arange(3) * 10**9)
+    write_contacts(path, run)
+    for module in ("pyarrow", "pyarrow.parquet", "pyarrow.csv"):
+        monkeypatch.setitem(sys.modules, module, None)
+    read = sf.read(path)
+    assert read.column_names == list(COLUMNS)
+    assert read.to_pandas().equals(run.contacts.to_pandas())
+    assert read["force_N"].tolist() == [one.normal_force for each in run.contacts for one in each]
+    head, first, *_ = path.read_text().splitlines()
+    path.write_text(f"# by hand\n{head},track,grip\n{first},,left\n")
+    assert np.isnan(sf.read(path)["track"]).all()
+    assert sf.read(path)["grip"].tolist() == ["left"]
+    path.write_text(f"{head}\n{first.replace('1,', 'one,', 1)}\n")
+    with pytest.raises(FileError, match=r"column reading: .*'one'.* expected a whole table"):
+        sf.read(path)
+    path.write_text(f"{head}\n{first[:20]}\n")
+    with pytest.raises(FileError, match=r"row 1 has .* values, expected 24"):
+        sf.read(path)
+    path.write_text(f"{head}\n")
+    assert len(sf.read(path)) == 0
+
+
+def test_a_log_of_any_columns_is_read_by_its_skins_file(tmp_path: Path) -> None:
+    names = [f"q{k}" for k in range(20)]
+    log = f"[log]\ntime = 'when'\ntime_unit = 'ms'\ncolumns = {names}\nunit = 'dC/C0'\n"
+    of_array = f"[log]\nrate_hz = 50.0\ncolumns = {[str(k + 1) for k in range(20)]}\n"
+    values = np.outer([1.0, 2.0, 3.0], np.arange(20.0))
+    table = np.column_stack([np.zeros(3), [0.0, 20.0, 40.0], values])
+    head = ",".join(["battery", "when", *names])
+    np.savetxt(tmp_path / "log.csv", table, "%g", ",", header=head, comments="")
+    savemat(tmp_path / "log.mat", {"C": values})
+    for file, text, unit in (("log.csv", log, "dC/C0"), ("log.mat", of_array, "count")):
+        own_toml.write(sf.Skin(PATCH, name="mine"), tmp_path / "mine.toml", text)
+        read = sf.read(tmp_path / file, skin=str(tmp_path / "mine.toml"))
+        np.testing.assert_array_equal(read.counts, values)
+        assert read.stamp_ns.tolist() == [0, 20_000_000, 40_000_000]
+        assert read.unit == unit
+        with pytest.raises(FileError, match=r"sf\.read\(path, skin=\.\.\.\).*`skinfield new`"):
+            sf.read(tmp_path / file)
+    save_recording(recording(), tmp_path / "usual.csv")
+    sf.save_layout(PATCH, tmp_path / "mine.toml")  # without [log]: as its format says
+    assert len(sf.read(tmp_path / "usual.csv", skin=tmp_path / "mine.toml")) == 50
+    with pytest.raises(InputError, match=r"skin is Patch.*expected .*that `skinfield new` wrote"):
+        sf.read(tmp_path / "log.csv", skin=PATCH)  # type: ignore[arg-type]
+    with pytest.raises(FileError, match="No such file"):
+        sf.read(tmp_path / "log.csv", skin=tmp_path / "nothing.toml")
+
+
+def test_what_is_no_path_no_truth_and_no_reading_is_refused_with_what_to_hand_in() -> None:
+    rec, calibrated = reconstructor(), Calibration.identity(PATCH, noise_std=0.01)
+    of_counts = sf.Reconstructor(PATCH, calibration=calibrated, grid=GRID, solver=rec.solver)
+    wrong: list[tuple[Any, str]] = [
+        (lambda: sf.read(5), "path is 5, expected a str or a PathLike: of a layout"),
+        (lambda: sf.read(None), "path is None, expected a str or a PathLike: of a layout"),
+        (lambda: rec(READING).plot(truth=3), "truth is 3, expected an Iterable: of presses, each"),
+        (lambda: rec(READING).plot(truth=[3]), "truth[0] is 3"),
+    ]
+    for each in (rec, of_counts):
+        wrong += [
+            (lambda each=each: each(None), "readings is None, expected numbers: nothing was"),
+            (lambda each=each: each(recording()), "expected numbers: hand in its .counts"),
+        ]
+    for call, said in wrong:
+        with pytest.raises(InputError, match=re.escape(said)):
+            call()
+
+
+def test_a_damaged_calibration_is_named_and_other_faults_are_not_hidden(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "mine.npz"
+    save_calibration(Calibration.identity(PATCH, noise_std=0.01), path)
+    data = bytearray(path.read_bytes())
+    data[data.index("skin".encode("utf-32-le"))] ^= 1  # its sum no longer fits
+    path.write_bytes(data)
+    with pytest.raises(FileError, match=r"not an NPZ file that can be read: Bad CRC.*format\.npy"):
+        sf.read(path)
+    path.write_bytes(data[: len(data) // 2])
+    with pytest.raises(FileError):
+        sf.read(path)
+
+    def broken(*words: Any) -> None:
+        raise KeyError("a fault of the program")
+
+    monkeypatch.setattr("zipfile.ZipFile.namelist", broken)
+    save_recording(recording(), path)
+    with pytest.raises(KeyError, match="a fault of the program"):
+        sf.read(path)
+
+
+def test_a_folder_has_its_name_wherever_one_stands(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "robot" / "left").mkdir(parents=True)
+    sf.save_layout(sf.Patch(PATCH.positions, name="palm"), tmp_path / "robot" / "hand.toml")
+    monkeypatch.chdir(tmp_path / "robot" / "left")
+    for path in ("..", tmp_path / "robot"):
+        assert sf.read(path).name == "robot"
+    monkeypatch.chdir(tmp_path / "robot")
+    assert sf.read(".").name == "robot"
+
+
+@pytest.mark.parametrize("made_by", ["skinfield-calibration 2", "skinfield_layout = 1"])
+def test_a_table_that_names_our_formats_in_a_comment_is_read(tmp_path: Path, made_by: str) -> None:
+    lines = "# unit = count", f"# source = made with {made_by}", "time_s,taxel_0", "0,1", "1,2"
+    (tmp_path / "a.csv").write_text("\n".join(lines) + "\n")
+    assert sf.read(tmp_path / "a.csv").counts.tolist() == [[1.0], [2.0]]
+
+
 def test_what_is_nothing_known_is_told_with_what_was_tried(tmp_path: Path) -> None:
     (tmp_path / "letter.txt").write_text("Dear reader,\nthis is no recording.\n")
     (tmp_path / "letters").mkdir()
@@ -279,6 +419,12 @@ def test_all_is_what_a_newcomer_needs_and_the_rest_is_there() -> None:
     assert [name for name in dir(sf) if not name.startswith("_")] == sorted(sf.__all__)
     for name in ("load_layout", "load_calibration", "open_results", "load_contacts", "HalfSpace"):
         assert callable(getattr(sf, name))
+
+
+def test_errors_are_there_at_once() -> None:
+    code = "import skinfield as sf; print(issubclass(sf.errors.FileError, sf.errors.InputError))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "True\n"
 
 
 def test_the_version_is_known_without_an_installation(monkeypatch: pytest.MonkeyPatch) -> None:

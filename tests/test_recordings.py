@@ -243,7 +243,7 @@ def test_too_many_bad_lines_are_an_error_with_line_and_expectation(tmp_path: Pat
         (b'{"skin": {"taxels": []}}', "layout"),
         (b"skinfield_layout = 1\n[[patch]]\n", "layout"),
         (b"72  72\n 0.02 0.01 0.0 0.0 0.0 1.0 0.02 0.01 0.003 0 1 0\n", r"layout \(skinware\)"),
-        (b"force,adc\n0.1,1023\n", "rec:1: its names .* hold neither time_s nor stamp_ns"),
+        (b"force,adc\n0.1,1023\n", "rec:1: its names .* hold none of time_s, time_ms, stamp_ns"),
         (b"# x\n0.1,1023\n0.2,1022\n", "rec:2: holds numbers, but no line of names"),
         (b"Call me Ishmael.\nSome years ago\n", "rec:1: 'Call me Ishmael.' is no line of"),
         (b"1 2 3 4 5 6 7\n", "no data follow"),

@@ -5,6 +5,7 @@ import typing as _typing
 
 if _typing.TYPE_CHECKING:
     from skinfield import calibrate as calibrate
+    from skinfield import errors as errors
     from skinfield import simulate as simulate
     from skinfield.calibrate import load_calibration as load_calibration
     from skinfield.elastic import BaseStress as BaseStress
@@ -57,6 +58,7 @@ _ON_DEMAND = {  # a module, or a module and what it holds
     "Auto": "skinfield.solve:Auto",
     "ContactFit": "skinfield.solve:ContactFit",
     "Detector": "skinfield.solve.detection:Detector",
+    "errors": "skinfield.errors",
     "Engine": "skinfield.reconstruct.engine:Engine",
     "Estimate": "skinfield.estimate:Estimate",
     "find_faults": "skinfield.signal:find_faults",

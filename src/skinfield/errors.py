@@ -58,10 +58,11 @@ def check_count(name: str, value: int, low: int, high: int, why: str) -> None:
         )
 
 
-def check_type(name: str, value: object, kind: type, why: str) -> None:
-    """Raise InputError unless `value` is a `kind`; `why` says what to hand in."""
+def check_type(name: str, value: object, kind: type | tuple[type, ...], why: str) -> None:
+    """Raise InputError unless `value` is a `kind`, or one of them; `why` says what to hand in."""
     if not isinstance(value, kind):
-        raise InputError(f"{name} is {_short(value)}, expected {_a(kind)}: {why}")
+        kinds = " or ".join(map(_a, kind if isinstance(kind, tuple) else (kind,)))
+        raise InputError(f"{name} is {_short(value)}, expected {kinds}: {why}")
 
 
 @contextmanager
@@ -155,13 +156,16 @@ def as_floats(name: str, values: ArrayLike) -> Floats:
     What a masked array hides becomes NaN.
     """
     try:
+        if values is None:  # which NumPy takes for NaN
+            raise TypeError("nothing was handed in")
         if np.iscomplexobj(values):
             raise TypeError("complex numbers have no order")
         if isinstance(values, np.ma.MaskedArray):
             return np.asarray(np.ma.filled(values.astype(np.float64), np.nan))
         return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        raise InputError(f"{name} is {values!r:.80}, expected numbers: {error}") from error
+        why = "hand in its .counts" if hasattr(values, "counts") else error  # of a recording
+        raise InputError(f"{name} is {values!r:.80}, expected numbers: {why}") from error
 
 
 def as_stamps(name: str, values: ArrayLike) -> Ints:

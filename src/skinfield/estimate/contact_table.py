@@ -1,13 +1,18 @@
 """The table of contacts: one row per contact, in SI units; a reading without one has none."""
 
-from collections.abc import Iterable, Iterator
-from typing import Any, Protocol
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
-from skinfield.errors import SkinfieldError
+from skinfield.errors import SkinfieldError, needs
 from skinfield.estimate.contact import Contact
 from skinfield.estimate.tracked import TrackedContact
+
+if TYPE_CHECKING:
+    import pandas
 
 WORDS = ("solver", "shape", "scale", "body_part", "skin_part")
 WHOLE = ("reading", "stamp_ns", "valid_taxels", "contact", "track", "link")
@@ -110,6 +115,45 @@ def _or_none(value: float | str) -> float | str | None:
     if isinstance(value, str):
         return value
     return float(value) if np.isfinite(value) else None
+
+
+@dataclass(frozen=True, eq=False)
+class ContactTable:
+    """Table of contacts as a CSV file holds it: SI units, which stand in the names of the columns.
+
+    Attributes
+    ----------
+    columns : mapping of str to (N,) array
+        Numbers, whole where none is missing, and words; NaN where a number is missing.
+    """
+
+    columns: Mapping[str, NDArray[Any]]
+
+    @property
+    def column_names(self) -> list[str]:
+        """Names of the columns, in their order."""
+        return list(self.columns)
+
+    def __len__(self) -> int:
+        return len(self["reading"])
+
+    def __getitem__(self, name: str) -> NDArray[Any]:
+        return self.columns[name]
+
+    def __repr__(self) -> str:
+        return f"ContactTable({len(self)} contacts, {len(self.columns)} columns)"
+
+    def to_pandas(self) -> "pandas.DataFrame":
+        """Data frame of the same columns; raises InputError if pandas is not installed."""
+        with needs("pandas", "pandas", "data frames"):
+            import pandas
+
+        kinds = {
+            name: object if v.dtype.kind == "U" else v.dtype for name, v in self.columns.items()
+        }
+        return pandas.DataFrame(
+            {name: pandas.Series(v, dtype=kinds[name]) for name, v in self.columns.items()}
+        )
 
 
 def load_pyarrow() -> Any:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from skinfield.errors import Floats, InputError, as_floats, check_finite, check_shape
+from skinfield.errors import Floats, InputError, as_floats, check_finite, check_shape, check_type
 from skinfield.estimate import Contact, Estimate
 from skinfield.estimate.deformation_plot import draw_deformation
 from skinfield.estimate.developed_plane import Chart
@@ -64,10 +64,13 @@ def presses_from_truth(
     Raises
     ------
     InputError
-        If an entry is anything else.
+        If it is no sequence, or an entry is anything else.
     """
-    presses = []
-    for row, entry in enumerate(truth or ()):
+    presses: list[TruePress] = []
+    if truth is None:
+        return presses
+    check_type("truth", truth, Iterable, "of presses, each (position, force, radius)")
+    for row, entry in enumerate(truth):
         try:
             place, force, radius = entry
             position = as_floats(f"truth[{row}] position", place)

@@ -5,6 +5,7 @@ skin (`[skin]` and so on), each as a table.
 """
 
 import json
+import re
 import tomllib
 from decimal import Decimal
 from pathlib import Path
@@ -24,6 +25,7 @@ from skinfield.skin.patch import Patch, Skin
 NAME = "skinfield-toml"
 EXTENSIONS = (".toml",)
 EXPECTED = "a TOML file with skinfield_layout = 1"
+STATED = re.compile(rb"(?m)^(\xef\xbb\xbf)?[ \t]*[\"']?skinfield_layout[\"']?[ \t]*=")
 VERSION = 1
 HEADER = "# Layout of a robot skin. Lengths in millimetres, one row per taxel.\n"
 LARGEST_TOML = 2**63  # above it a uid is written as a string, as TOML's integers end there
@@ -61,7 +63,7 @@ class _File(msgspec.Struct, forbid_unknown_fields=True):
 
 def sniff(data: bytes) -> bool:
     """Whether the bytes look like this format."""
-    return b"skinfield_layout" in data and not data.startswith(b"PK")
+    return STATED.search(data) is not None and b"\0" not in data  # recordings enclose layouts
 
 
 def parse(path: Path) -> Content:

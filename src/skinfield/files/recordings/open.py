@@ -21,14 +21,17 @@ from skinfield.skin.reading import Recording
 KNOWN = (
     "a recording: a yarpdatadumper log (sequence time values), CySkin text (a line of uids, then "
     "sample time values), CySkin SkinRecorder text (devices, taxels, then sample time n uid value "
-    "...), CSV with a line of names (time_s,taxel_0,...), or NPZ (stamp_ns, counts)"
+    "...), CSV with a line of names (time_s,taxel_0,...), or NPZ (stamp_ns, counts). With the file "
+    "of a skin, --skin or sf.read(path, skin=...), any columns of CSV, MATLAB, HDF5 and NumPy "
+    "files: `skinfield new` writes it"
 )
+NAMELESS = "its columns have no names, which the file of a skin gives"
 OTHERS = {  # first bytes of files that are taken for recordings
     b"\x1f\x8b": "compressed by gzip: unpack it first",
     b"\x93NUMPY": "one NumPy array without times: save it as NPZ with stamp_ns and counts",
     b"PAR1": "a Parquet table: save it as CSV with a column time_s",
-    b"\x89HDF": "an HDF5 or MATLAB file: save it as NPZ or CSV",
-    b"MATLAB 5.0": "a MATLAB file: save it as NPZ or CSV",
+    b"\x89HDF": f"an HDF5 or MATLAB file: {NAMELESS}",
+    b"MATLAB 5.0": f"a MATLAB file: {NAMELESS}",
     b"\xff\xfe": "UTF-16 text: save it as UTF-8",
     b"\xfe\xff": "UTF-16 text: save it as UTF-8",
 }
@@ -148,7 +151,7 @@ def verdict(head: Magic) -> str:
     elif table.looks_like_numbers(head):
         why = "holds numbers, but no line of names stands above them"
     elif re.search("[,;\t]", line):
-        why = f"its names {shown} hold neither time_s nor stamp_ns"
+        why = f"its names {shown} hold none of time_s, time_ms, stamp_ns"
     else:
         why = f"{shown} is no line of a known recording"
     return f"{head.path}:{number}: {why}; expected {KNOWN}"
