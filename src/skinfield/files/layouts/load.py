@@ -174,16 +174,17 @@ def _read_folder(path: Path) -> tuple[Skin, tuple[Finding, ...]]:
             "with a layout file for each part of the robot; those in it are not searched"
         )
     found = [(file, *read_layout(file)) for file in layouts]
+    name = path.resolve().name  # of ".", too
     findings = [each for _, _, its in found for each in its]
     notes = [note for _, skin, _ in found for note in skin.notes]
     others = [file.name for file in files if file not in layouts]
     if others:
         count = f"{many(len(others), 'file')} ({listed(others)})"
-        text = f"{path.name}: {count} of no layout format; left out"
+        text = f"{name}: {count} of no layout format; left out"
         findings.append(Finding("no-layout", "info", text))
         notes.append(text)
     patches = _distinct([(file.stem, patch) for file, skin, _ in found for patch in skin])
-    return Skin(patches, name=path.name, notes=tuple(notes)), tuple(findings)
+    return Skin(patches, name=name, notes=tuple(notes)), tuple(findings)
 
 
 def _distinct(patches: list[tuple[str, Patch]]) -> tuple[Patch, ...]:
