@@ -279,7 +279,8 @@ def time_unit_of(name: str, values: Floats) -> tuple[TimeUnit, str]:
 
 def check_rate(name: str, unit: TimeUnit, values: Floats) -> None:
     """Raise InputError where times in a unit come faster, or slower, than any skin reads."""
-    step = float(np.median(np.diff(values[np.isfinite(values)]))) * NS[unit] / NS["s"]
+    steps = np.diff(values[np.isfinite(values)]) * (NS[unit] / NS["s"])
+    step = float(np.median(steps)) if len(steps) else float("nan")
     if not SHORTEST <= step <= LONGEST:
         raise InputError(
             f"times of column {name!r} in {unit} go on by {step:.3g} s from row to row, expected "
