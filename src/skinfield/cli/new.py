@@ -101,11 +101,8 @@ def new(
     for name in filter(None, (output, picture)):
         if Path(name).exists():
             ask.confirm(f"{name} is there already: write over it?")
-    if calibration is not None and not Path(calibration).is_file():
-        raise InputError(
-            f"--calibration is {calibration!r}, which is not there, expected a calibration of this "
-            "skin (.toml, .npz)"
-        )
+    if calibration is not None:
+        options.check_calibration(calibration)
     skin, where, findings, names = _taxels(ask, positions, axes, lengths, pad_mm)
     its = options.patch_of(skin, patch)
     file = ask.answer("--log", "A log of it (or none)", log, "none", _there, optional=True)

@@ -173,10 +173,10 @@ def match(
         rest = [name for name in columns if name not in {known.get(key) for key in wanted}]
         if missing:
             raise InputError(
-                f"{taxels} taxels and {len(columns)} columns of {source} are matched {how}: "
-                f"no column for {plural(len(missing), 'taxel')} ({shortlist(missing)}), no taxel "
-                f"for {plural(len(rest), 'column')} ({shortlist(rest) or 'none'}); expected one "
-                "column per taxel"
+                f"{plural(taxels, 'taxel')} and {plural(len(columns), 'column')} of {source} are "
+                f"matched {how}: no column for {plural(len(missing), 'taxel')} "
+                f"({shortlist(missing)}), no taxel for {plural(len(rest), 'column')} "
+                f"({shortlist(rest) or 'none'}); expected one column per taxel"
             )
         first = known[wanted[0]]
         its = "" if names[0] == first else f": {names[0]} is {first}"
@@ -190,6 +190,12 @@ def match(
             f"no column is named as the taxels are ({shortlist(names)}): they are matched by "
             "order, which is to be checked", "yellow",
         )  # fmt: skip
+    return _in_order(patch, columns, source)
+
+
+def _in_order(patch: Patch, columns: tuple[str, ...], source: str) -> tuple[tuple[str, ...], Patch]:
+    """Columns and patch where the columns stand in the order of channels, or of taxels."""
+    taxels = len(patch)
     if len(columns) == patch.n_channels:
         note(f"columns are matched by order: taxel 0 is {columns[int(patch.channel[0])]}")
         return columns, patch
@@ -198,8 +204,9 @@ def match(
         left = columns[taxels:]
         over = f"columns {shortlist(left)}" if left else f"taxels {len(columns)} to {taxels - 1}"
         raise InputError(
-            f"{source} has {len(columns)} columns of taxels, expected {taxels}, one for each taxel "
-            f"of {patch.name!r}{some}: {over} are left over; choose with --columns"
+            f"{source} has {plural(len(columns), 'column')} of taxels, expected {taxels}, "
+            f"one for each taxel of {patch.name!r}{some}: {over} are left over; "
+            "choose with --columns"
         )
     note(f"columns are matched by order: taxel 0 is {columns[0]}, taxel {taxels - 1} {columns[-1]}")
     return columns, replace(patch, channel=np.arange(taxels), n_channels=taxels)

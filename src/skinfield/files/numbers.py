@@ -144,7 +144,8 @@ def read_numbers(text: str) -> Numbers:
     except FileError:
         raise
     except OSError as error:
-        raise FileError(f"{name} cannot be read: {error.strerror or error}") from error
+        why = error.strerror or error
+        raise FileError(f"{name} cannot be read: {why}; expected a table of numbers") from error
     except Exception as error:  # SciPy, NumPy and zipfile raise all kinds on garbage
         raise FileError(f"{name} holds no numbers that can be read: {error}") from error
     return Numbers(tuple(str(k + 1) for k in range(values.shape[1])), values, text)
