@@ -23,6 +23,7 @@ SEEDS = [
     b"id,px_mm,py_mm\nch0,-2.0,0\nch1,2.0,0\nch2,2,4\n",
     b"id;x;y;nx;ny;nz\n0;0,5;0;0;0;1\n1;4,5;0;0;0;1\n",
     b"# made today\n# t,ch0,ch1\n0,2001,1999\n10,2002,2000\n20,2003,2000\n",
+    b"t;ch0;ch1;state\n0,5;2001;1999;ok\n10,5;2002,5;2000;ok\n20,5;2003;;a b\n",
     b"t [ms],ch0,ch1,force_N\n0,2001,1999,0.1\n10,2002,2000,nan\n20,,1,2\n",
 ]
 FOLDER = Path(tempfile.mkdtemp(prefix="fuzz-"))

@@ -14,11 +14,13 @@ from command_line import invoke, refused, result_of, run
 from hypothesis import given, settings
 
 import skinfield as sf
+from skinfield.cli.calibration_inputs import label_series
 from skinfield.cli.new_log import match
 from skinfield.errors import FileError, Floats, InputError
 from skinfield.files import open_recording
 from skinfield.files.layouts.own_toml import log_settings
 from skinfield.files.layouts.positions import read_positions
+from skinfield.files.numbers import read_numbers
 from skinfield.files.recordings.columns import read_table
 from skinfield.files.recordings.head import read_head
 from skinfield.skin.log import LogSettings
@@ -106,11 +108,18 @@ def test_questions_have_guesses_and_wrong_answers_are_asked_again(
     monkeypatch: pytest.MonkeyPatch, table: Floats
 ) -> None:
     write("log.csv", ["t", *NAMES], table[:80])  # nothing presses
-    terminal(monkeypatch, "nowhere.csv", "taxels.csv", "log.csv", "", "", "", "vh*", "ch*", "",
-             "0", "3", "wood", "foam")  # fmt: skip
+    terminal(monkeypatch, "nowhere.csv", "taxels.csv", "mm", "log.csv", "", "", "", "vh*", "ch*",
+             "", "0", "3", "wood", "foam")  # fmt: skip
     done = invoke(["new", "-o", "mine.toml"])
     assert done.exit_code == 0, done.output
-    for asked in ("Where are the taxels?", "Column of the times", "[ms]", "[ch*]", "[silicone]"):
+    for asked in (
+        "Where are the taxels?",
+        "Unit of the positions",
+        "Column of the times",
+        "[ms]",
+        "[ch*]",
+        "[silicone]",
+    ):
         assert asked in done.stderr
     for wrong in ("nowhere.csv", "'vh*' match nothing", "wood"):
         assert wrong in done.stderr
@@ -120,7 +129,7 @@ def test_questions_have_guesses_and_wrong_answers_are_asked_again(
     terminal(monkeypatch, "no")
     assert "is there already" in refused("new", "-o", "mine.toml")
     assert Path("mine.toml").read_text() == text
-    terminal(monkeypatch, "taxels.csv")  # and then the end of the input
+    terminal(monkeypatch, "taxels.csv", "")  # and then the end of the input
     assert "--log is missing" in refused("new", "-o", "other.toml")
 
 
@@ -148,13 +157,16 @@ def test_taxels_and_columns_are_matched_by_name_else_by_order(
     order = np.random.default_rng(0).permutation(64)
     names = tuple(NAMES[k] for k in order)
     numbers = tuple(f"taxel {k:03d}" for k in order)
-    for its, how in ((names, "by name: ch"), (numbers, "by the numbers"), ((), "by order")):
+    for its, how in ((names, "by name"), (numbers, "by the numbers"), ((), "by order")):
         matched, found = match(patch, its, tuple(NAMES), "log.csv")
         assert matched == (names if its else tuple(NAMES))
         assert found.channel.tolist() == list(range(64))
         assert how in capsys.readouterr().err
     assert match(patch, names, (*NAMES, "ch64"), "log.csv")[0] == names
-    assert "1 columns have no taxel: left out (ch64)" in capsys.readouterr().err
+    assert "left out, as no taxel is named so: ch64" in capsys.readouterr().err
+    others = tuple(f"q{k + 100}" for k in range(64))
+    assert match(patch, others, tuple(NAMES), "log.csv")[0] == tuple(NAMES)
+    assert "no column is named as the taxels are (q100" in capsys.readouterr().err
     hexagon = sf.layouts.hexagon72()
     sent = replace(hexagon, channel=hexagon.channel + 4, n_channels=80)
     some = tuple(f"p{k}" for k in range(80))
@@ -173,7 +185,7 @@ def test_columns_of_a_pattern_stand_by_their_numbers(table: Floats) -> None:
     [
         (("--columns", "vh*"), ("'vh*' match nothing", "t, ch0, ch1", "ch63")),
         (("--columns", "ch0,ch0"), ("ch0 twice",)),
-        (("--columns", "2-40"), ("64 taxels and 39 columns", "25 taxels have no column", "ch39")),
+        (("--columns", "2-40"), ("64 taxels and 39 columns", "no column for 25 taxels", "ch39")),
         (("--time", "clock"), ("'clock' match nothing",)),
         (("--time", "ch*"), ("expected one column",)),
         (("--rate-hz", "0", "--time", "t"), ("--rate-hz",)),
@@ -185,7 +197,10 @@ def test_columns_of_a_pattern_stand_by_their_numbers(table: Floats) -> None:
         (("--material", "foam", "--poisson", "0.4"), ("expected one of them",)),
         (("--log", "none.csv"), ("none.csv is not there",)),
         (("--time", "ch0"), ("rise", "--rate-hz")),
-        (("--calibration", "cal.toml"), ("cal.toml",)),
+        (("--calibration", "cal.toml"), ("cal.toml", "expected a calibration")),
+        (("--thickness-mm", "200"), ("expected 50 at most",)),
+        (("--rate-hz", "50"), ("--time and --rate-hz were both given",)),
+        (("--time-unit", "ns"), ("go on by 2e-08 s", "--time-unit")),
         (("-o", "my_skin.json"), (".toml",)),
         (("-o", "nowhere/my_skin.toml"), ("nowhere",)),
     ],
@@ -274,6 +289,85 @@ def test_any_bytes_are_positions_or_an_error(
         return
     assert found.positions.shape == (len(found.positions), 3)
     assert np.isfinite(found.positions).all()
+
+
+def new_of(names: list[str], rows: Floats, *words: str) -> str:
+    """All that `new` says of a log, whatever becomes of it."""
+    write("log.csv", names, rows)
+    done = invoke(["new", "--positions", "taxels.csv", "--log", "log.csv", "--yes", *words])
+    assert done.exit_code in (0, 2), done.output
+    assert (done.exit_code == 0) == Path("my_skin.toml").exists()
+    return " ".join(done.output.split())
+
+
+def test_values_that_are_not_what_they_seem_are_refused(table: Floats) -> None:
+    time, counts, named = table[:80, :1], table[:80, 1:], ["t", *NAMES]
+    assert "3 readings, expected 20 or more" in new_of(named, table[:3])
+    assert "add one number to all" in new_of(named, np.hstack([time, counts - 2000]))
+    change = 100.0 * (counts / np.median(counts, axis=0) - 1.0)
+    change[50, 5] = 15.0  # per cent
+    assert "divide them by 100" in new_of(named, np.hstack([time, change]))
+    lost = new_of(named, table[:80], "--unit", "dC/C0")
+    assert "no taxel of log.csv can be used" in lost
+    ounces = new_of([*named, "load [oz]"], np.hstack([table[:80], time]))
+    assert "'load [oz]' is in oz, expected N, kN" in ounces
+
+
+def test_what_is_taken_for_what_is_said(table: Floats) -> None:
+    time, counts = np.arange(80.0)[:, None], table[:80, 1:].copy()
+    counts[:, 20] = np.nan
+    names = ["t", *(f"relay{k}" for k in range(64)), "weight_g"]
+    said = new_of(names, np.hstack([time, counts, 10.0 * time]))
+    assert "taken as s: steps of 1 make 1 reading per second (they would be 1000 in ms" in said
+    assert "taken as count: they are whole numbers" in said
+    assert "load cell 'weight_g': 1 is taken as 0.00980665 N" in said
+    assert "1 taxel left out" in said
+    assert "no column is named" not in said  # by the numbers in the names
+    log = log_settings(Path("my_skin.toml"))
+    force = label_series("log.csv", None, None, "N", log=log).values
+    assert force[:, 0] == pytest.approx(10.0 * time[:, 0] * 9.80665e-3)  # of standard gravity
+
+
+def test_a_log_of_a_spreadsheet_with_words_in_it(table: Floats) -> None:
+    rows = table[:60] + 0.5
+    lines = [";".join([*(f"{v:.1f}".replace(".", ",") for v in row), "ok"]) for row in rows]
+    Path("log.csv").write_text("\n".join([";".join(["t", *NAMES, "state"]), *lines]) + "\n")
+    log = log_settings_of('time = "t"\ntime_unit = "ms"\ncolumns = ["ch*"]')
+    assert np.array_equal(open_recording("log.csv", log=log).counts, rows[:, 1:])
+    labels = read_numbers("log.csv")
+    assert np.array_equal(labels.columns("2-65"), rows[:, 1:])
+    with pytest.raises(InputError, match=r"'state' of .* holds words"):
+        labels.column("state")
+    lines[3] = lines[3].replace("ok", "a;b")
+    Path("log.csv").write_text("\n".join([";".join(["t", *NAMES, "state"]), *lines]) + "\n")
+    read = open_recording("log.csv", log=log)
+    assert len(read) == 59  # a line of another width is none
+    assert "1 of 60 lines skipped" in read.notes[0]
+
+
+def test_dates_and_places_of_another_unit(table: Floats) -> None:
+    head = ",".join(["time", *NAMES])
+    row = ",".join(["2026-01-01 10:00:00", *["2000"] * 64])
+    Path("dates.csv").write_text("\n".join([head, *[row] * 30]))
+    words = ("new", "--positions", "taxels.csv", "--log", "dates.csv", "--yes")
+    assert "holds '2026-01-01 10:00:00', expected numbers" in refused(*words)
+    Path("cm.csv").write_text("id,px,py\na,0,0\nb,0.4,0\n")
+    assert "say --lengths cm" in run("new", "--positions", "cm.csv", "--log", "none", "--yes")
+    given = run("new", "--positions", "cm.csv", "--log", "none", "--lengths", "cm", "--yes")
+    assert "few skins" not in given
+
+
+def test_without_matplotlib_all_but_the_picture_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib", None)  # as where it is not installed
+    simple = ("--press", "0,0,1,4", "--solver", "tikhonov", "--grid", "12")
+    for words in (("new", "--positions", "taxels.csv", *ALL, "--yes"), ("demo", *simple)):
+        done = invoke(words)
+        assert done.exit_code == 0, done.output
+        assert "no picture is made" in done.stderr
+        assert 'pip install "skinfield[plot]"' in done.stderr
+        assert "│" in done.stdout
+    assert {path.name for path in Path().iterdir()} == {"taxels.csv", "log.csv", "my_skin.toml"}
+    assert "figures need matplotlib" in refused("demo", "-o", "demo.png")
 
 
 REAL = os.environ.get("SKINFIELD_SHARED_DATA", "")

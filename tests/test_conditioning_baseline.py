@@ -124,7 +124,7 @@ def test_standing_still_is_not_unloaded():
     assert not b.quiet
     assert b.loaded.all()
     unknown = estimate_baseline(200 + 2 * noise(300, 72), RATE)
-    assert any("cannot be told" in note for note in unknown.notes)
+    assert any("taken to be unloaded" in note for note in unknown.notes)
 
 
 def test_a_clipped_scale_gives_its_noise_from_above():

@@ -230,7 +230,9 @@ def test_faults_are_named_with_their_place(
 # -- a folder as one skin --------------------------------------------------------------------------
 
 
-def test_patches_of_all_files_in_the_order_of_their_names(tmp_path: Path) -> None:
+def test_patches_of_all_files_in_the_order_of_their_names(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     foot, arm = generators.hexagon72(), generators.rectangular(rows=3, columns=4)
     save_layout(Skin((foot,)), tmp_path / "b.toml")
     save_layout(Skin((arm,)), tmp_path / "a.npz")
@@ -239,6 +241,8 @@ def test_patches_of_all_files_in_the_order_of_their_names(tmp_path: Path) -> Non
     (tmp_path / "deeper").mkdir()
     skin = load_layout(tmp_path)
     assert skin.name == tmp_path.name
+    monkeypatch.chdir(tmp_path)
+    assert load_layout(".").name == tmp_path.name
     assert [len(patch) for patch in skin] == [12, 72]
     assert [patch.name for patch in skin] == [arm.name, foot.name]
     np.testing.assert_allclose(skin[1].positions, foot.positions, atol=1e-9)

@@ -69,6 +69,13 @@ def _matplotlib() -> AbstractContextManager[None]:
     return needs("matplotlib", "skinfield[plot]", "figures")
 
 
+def check_drawable() -> None:
+    """Raise InputError where Matplotlib, an extra, is not installed."""
+    with _matplotlib():
+        if find_spec("matplotlib") is None:
+            raise ModuleNotFoundError(name="matplotlib")
+
+
 def new_figure(width: float = 9.6, height: float = 6.4) -> "Figure":
     """Empty white figure of the given inches at 160 dpi (1536 x 1024), free of any display."""
     with _matplotlib():

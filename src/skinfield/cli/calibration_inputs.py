@@ -16,8 +16,10 @@ if TYPE_CHECKING:
 
 UNITS = {  # of labels, by what they are in SI
     "Pa": {"Pa": 1.0, "kPa": 1e3, "bar": 1e5, "mbar": 100.0, "psi": 6894.757, "MPa": 1e6},
-    "N": {"N": 1.0, "kN": 1e3, "mN": 1e-3},
-}
+    "N": {"N": 1.0, "kN": 1e3, "mN": 1e-3,  # and what standard gravity pulls at a mass with
+          "kg": 9.80665, "kgf": 9.80665, "g": 9.80665e-3, "gf": 9.80665e-3,
+          "lb": 4.4482216, "lbs": 4.4482216, "lbf": 4.4482216},
+}  # fmt: skip
 LATE, STEP = 1.0, 0.025  # s: delays that are tried
 BETTER = 0.02  # of a correlation, by which a delay must be better than none
 CLEAR = 0.6  # correlation, from which on a delay is believed
@@ -78,7 +80,13 @@ def factor_of(unit: str | None, si: str, names: Sequence[str]) -> float:
         raise InputError(f"--unit is {unit!r}, expected one of {', '.join(known)}")
     every = {each for its in UNITS.values() for each in its}
     for name in names:
-        own = re.split(r"[^A-Za-z]+", name.rstrip(")] "))[-1]
+        bracketed = re.fullmatch(r".*[(\[]\s*([^)\]]+?)\s*[)\]]\s*", name)
+        own = bracketed[1] if bracketed else re.split(r"[^A-Za-z]+", name)[-1]
+        if bracketed and own not in every and unit is None:
+            raise InputError(
+                f"column {name!r} is in {own}, expected {', '.join(known)}: name it by one of "
+                f"them, such as {name.split()[0].rstrip('([')}_{si}"
+            )
         if own != name and own in every and (own not in known or own != (unit or own)):
             raise InputError(
                 f"column {name!r} is in {own}, expected {unit or ' or '.join(known)}: give "
@@ -124,7 +132,7 @@ def label_series(
     if labels is None and log is not None and log.load_cell in table.names:
         labels = log.load_cell
     if labels is None:
-        chosen = [column for column in table.names if not _is_time(column)]
+        chosen = [column for column in table.numeric if not _is_time(column)]
         labels = ",".join(chosen)
     factor = factor_of(unit, si, table.names_of(labels))
     return Series(_without(name, table.columns(labels), offset) * factor, seconds)

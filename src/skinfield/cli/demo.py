@@ -60,7 +60,9 @@ def demo(
     from skinfield.plot import duration
     from skinfield.simulate import press as pressed
 
-    picture = report.free_name(PICTURE) if output is None else output
+    picture = output
+    if output is None:
+        picture = report.picture_if_drawable(report.free_name(PICTURE))
     report.check_picture("--output", picture, force)
     patch = options.patch_of(options.skin_from_text(layout), None)
     profile = options.profile_in_use(elastomer, layout=layout)
@@ -80,7 +82,8 @@ def demo(
         prepared = time.perf_counter() - start
         estimate = reconstructor(readings)
     truth = [(b.position, b.force, r) for b, r in zip(balls, _radii(true, balls), strict=True)]
-    report.save_picture(picture, estimate, readings, config, truth)
+    if picture is not None:
+        report.save_picture(picture, estimate, readings, config, truth)
     report.say_notes(estimate.notes)
     rows = [_against(index, ball, estimate) for index, ball in enumerate(balls, start=1)]
     result = {

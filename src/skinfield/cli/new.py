@@ -8,18 +8,20 @@ import numpy as np
 from cyclopts import Parameter
 
 from skinfield.cli import options, report
-from skinfield.cli.new_log import LogFlags, log_settings_for, told_by_presses
+from skinfield.cli.new_log import LogFlags, check_unit, log_settings_for, told_by_presses
 from skinfield.cli.profiles import profile_of
-from skinfield.cli.questions import Questions, one_of
+from skinfield.cli.questions import Questions, one_of, positive
 from skinfield.cli.settings import Elastomer
 from skinfield.errors import FileError, InputError
-from skinfield.files.layouts.positions import METRES, read_positions
+from skinfield.files.layouts.positions import METRES, Positions, read_positions
 from skinfield.files.layouts.repair import Content, Draft, Finding, mend
 from skinfield.settings import Positive
 from skinfield.skin import Patch, Skin
+from skinfield.skin.geometry import nearest_distance
 from skinfield.skin.log import LogSettings
 
 MATERIALS = {"silicone": 0.5, "rubber": 0.5, "foam": 0.3, "fabric": 0.3}  # Poisson's ratio
+FINEST, THICKEST = 1e-3, 50e-3  # m: pitch and cover, beyond which a slip is likelier than a skin
 EXAMPLE = "grid:rows=8,cols=8,pitch_mm=4"
 HEADER = (
     "# A skin: where its taxels are, what covers it, how its logs are read. From skinfield new.\n"
@@ -94,11 +96,13 @@ def new(
         What covers the taxels: silicone, rubber, foam or fabric.
     """
     ask = Questions(yes)
-    picture = str(Path(output).with_suffix(".png"))
     report.check_output("--output", output, True, ".toml")
-    for name in (output, picture):
+    picture = report.picture_if_drawable(str(Path(output).with_suffix(".png")))
+    for name in filter(None, (output, picture)):
         if Path(name).exists():
             ask.confirm(f"{name} is there already: write over it?")
+    if calibration is not None:
+        options.check_calibration(calibration)
     skin, where, findings, names = _taxels(ask, positions, axes, lengths, pad_mm)
     its = options.patch_of(skin, patch)
     file = ask.answer("--log", "A log of it (or none)", log, "none", _there, optional=True)
@@ -107,8 +111,15 @@ def new(
         flags = LogFlags(time=time, time_unit=time_unit, rate_hz=rate_hz, columns=columns,
                          unit=unit, load_cell=load_cell)  # fmt: skip
         settings, its = log_settings_for(file, flags, ask, its, names)
+        if unit is None:
+            check_unit(file, settings)
         settings, known = told_by_presses(file, settings)
     cover = _cover(ask, elastomer, material, where)
+    if cover.thickness_mm is not None and cover.thickness_mm * 1e-3 > THICKEST:
+        raise InputError(
+            f"--thickness-mm is {cover.thickness_mm:g}, expected {THICKEST * 1e3:g} at most: "
+            "through a thicker cover no taxel tells where it is pressed"
+        )
     tables = _tables(cover, calibration, settings)
     from skinfield.cli.new_report import NewSkin, finish_new
 
@@ -133,7 +144,7 @@ def _taxels(
 
     def read(text: str) -> tuple[Skin, str, tuple[Finding, ...], tuple[str, ...]]:
         words = [word.strip() for word in axes.split(",")] if axes else []
-        return _skin_of(text, words, lengths, pad)
+        return _skin_of(ask, text, words, lengths, pad)
 
     found = ask.answer(
         "--positions", f"Where are the taxels? A CSV, a maker's file, or such as {EXAMPLE}",
@@ -151,7 +162,7 @@ def _taxels(
 
 
 def _skin_of(
-    text: str, axes: list[str], lengths: str | None, pad: float | None
+    ask: Questions, text: str, axes: list[str], lengths: str | None, pad: float | None
 ) -> tuple[Skin, str, tuple[Finding, ...], tuple[str, ...]]:
     """What `--positions` means."""
     from skinfield.files.layouts.load import fitting_formats, read_layout
@@ -170,9 +181,7 @@ def _skin_of(
             raise InputError("--axes and --lengths are of a CSV, expected none beside a layout")
         skin, findings = read_layout(path)
         return _with_pad(skin, pad), text, findings, ()
-    table = read_positions(path, axes, lengths)  # type: ignore[arg-type]
-    for said in table.notes:
-        report.note(said)
+    table = _positions(ask, path, axes, lengths)
     flat = not np.ptp(table.positions[:, 2])
     up = np.tile([0.0, 0.0, 1.0], (len(table.positions), 1)) if flat else None
     draft = Draft(
@@ -182,6 +191,25 @@ def _skin_of(
     )  # fmt: skip
     skin, findings = mend(Content(path, path.stem, (draft,)))
     return skin, text, findings, table.names
+
+
+def _positions(ask: Questions, path: Path, axes: list[str], lengths: str | None) -> Positions:
+    """Table of positions, in a unit that was given, asked for, or found."""
+    table = read_positions(path, axes, lengths)  # type: ignore[arg-type]
+    for said in table.notes:
+        report.note(said)
+    if table.guessed and ask.terminal and len(table.positions) > 1:
+        unit = ask.answer("--lengths", f"Unit of the positions ({', '.join(METRES)})", None,
+                          table.unit, one_of(tuple(METRES)))  # fmt: skip
+        table = read_positions(path, axes, unit)
+    elif table.guessed and len(table.positions) > 1:
+        pitch = float(np.median(nearest_distance(np.unique(table.positions, axis=0))))
+        if pitch < FINEST:
+            report.note(
+                f"taxels are {pitch * 1e3:.3g} mm apart, which few skins are: if the positions are "
+                "in another unit, say --lengths cm or --lengths inch", "yellow",
+            )  # fmt: skip
+    return table
 
 
 def _with_pad(skin: Skin, pad: float | None) -> Skin:
@@ -198,19 +226,12 @@ def _cover(ask: Questions, given: Elastomer, material: str | None, where: str) -
     profile = profile_of(given, None, layout_format(where) if Path(where).exists() else "")
     thick, ratio = given.thickness_mm, given.poisson
 
-    def thickness(text: str) -> float:
-        try:
-            value = float(text)
-        except ValueError:
-            value = 0.0
-        Positive("thickness of the elastomer").check("--thickness-mm", value)
-        return value
-
     if thick is None and ask.terminal:
         usual = f"{profile.thickness_mm:g}"
         thick = ask.answer(
-            "--thickness-mm", "Thickness of what covers it, mm", None, usual, thickness
-        )
+            "--thickness-mm", "Thickness of what covers it, mm", None, usual,
+            positive("--thickness-mm", "thickness of the elastomer"),
+        )  # fmt: skip
     if ratio is None and (material is not None or ask.terminal):
         usual = "silicone" if profile.poisson > 0.4 else "foam"
         question = f"What covers it ({', '.join(MATERIALS)})"

@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 
-from skinfield.cli.questions import Questions, one_of
+from skinfield.cli.calibration_inputs import factor_of
+from skinfield.cli.questions import Questions, one_of, positive
 from skinfield.cli.report import note
 from skinfield.errors import FileError, Floats, InputError
 from skinfield.files.recordings import columns as cols
@@ -14,12 +15,15 @@ from skinfield.files.recordings import open_recording
 from skinfield.files.recordings.columns import Table, shortlist
 from skinfield.files.recordings.head import read_head
 from skinfield.files.recordings.open import file_of, is_binary, stream_recording
-from skinfield.settings import Positive
+from skinfield.plot import plural
 from skinfield.signal.polarity import Polarity, find_polarity
 from skinfield.skin import Patch
 from skinfield.skin.log import NS, LogSettings, TimeUnit
 from skinfield.skin.reading import UNITS
 
+RELATIVE = {"dc", "dcc", "dr", "drr", "delta", "rel", "relative"}  # words in names of columns
+MOST_RELATIVE = 2.0  # of |ΔC/C₀|: per cent are more
+FEWEST = 20  # readings, that tell rest and noise
 ICUB_REST = (225.0, 250.0)  # bytes
 
 
@@ -55,6 +59,10 @@ def log_settings_for(
         "--load-cell", "Column of a load cell (or none)", flags.load_cell,
         cols.guess_load_cell(found) or "none", found.column, optional=True,
     )  # fmt: skip
+    if cell is not None:
+        newtons = factor_of(None, "N", (cell,))
+        why = "by its name" if newtons != 1.0 else "1 of it is 1 N"
+        note(f"load cell {cell!r}: 1 is taken as {newtons:g} N, {why}")
     chosen = ask.answer(
         "--columns", f"Columns of the taxels, of {shortlist(found.names)}", flags.columns,
         cols.guess_columns(found, (time, cell)),
@@ -62,7 +70,9 @@ def log_settings_for(
     )  # fmt: skip
     assert chosen is not None
     matched, patch = match(patch, names, chosen, found.source)
-    guess = _unit(found, matched)
+    guess, why = _unit(found, matched)
+    if flags.unit is None:
+        note(f"values of the taxels are taken as {guess}: {why}")
     what = ask.answer(
         "--unit", f"Unit of the taxels ({', '.join(f'{k}: {v}' for k, v in UNITS.items())})",
         flags.unit, guess, one_of(tuple(UNITS)),
@@ -93,8 +103,12 @@ def _time(
 ) -> tuple[str | None, TimeUnit, float | None]:
     """Column of the times, their unit, and the rate where there is none."""
     time = None
+    if flags.rate_hz is not None and flags.time is not None:
+        raise InputError("--time and --rate-hz were both given, expected one of them")
     if flags.rate_hz is None:
         guess = cols.guess_time(found)
+        if guess is None and flags.time is None and not ask.terminal:
+            _refuse_dates(found, next(filter(cols.TIME.fullmatch, found.names), None))
         if guess is None and flags.time is None and not ask.terminal:
             raise InputError(
                 f"no column of {found.source} is named as a time, expected --time with one of "
@@ -105,14 +119,11 @@ def _time(
             guess or "none", found.column, optional=True,
         )  # fmt: skip
     if time is None:
-        rate = ask.answer("--rate-hz", "Readings per second", flags.rate_hz, None, _rate)
+        rate = ask.answer("--rate-hz", "Readings per second", flags.rate_hz, None,
+                          positive("--rate-hz", "readings per second"))  # fmt: skip
         return None, "s", rate
     values = found.numbers(time)
-    if not np.isfinite(values).any():
-        raise InputError(
-            f"column {time!r} of {found.source} holds {found.rows[0][found.names.index(time)]!r}, "
-            "expected numbers (s, ms, us or ns), not dates: choose another (--time), or --rate-hz"
-        )
+    _refuse_dates(found, time)
     usual, why = cols.time_unit_of(time, values)
     if flags.time_unit is None:
         note(f"times of column {time!r} are taken as {usual}: {why}")
@@ -120,16 +131,18 @@ def _time(
         "--time-unit", f"Unit of the times ({', '.join(NS)})", flags.time_unit, usual,
         one_of(tuple(NS)),
     )  # fmt: skip
-    return time, unit or "s", None
+    assert unit is not None
+    cols.check_rate(time, unit, values)
+    return time, unit, None
 
 
-def _rate(text: str) -> float:
-    try:
-        rate = float(text)
-    except ValueError:
-        rate = 0.0
-    Positive("readings per second").check("--rate-hz", rate)
-    return rate
+def _refuse_dates(found: Table, time: str | None) -> None:
+    """Raise InputError if a column of times holds no number."""
+    if time is not None and not np.isfinite(found.numbers(time)).any():
+        raise InputError(
+            f"column {time!r} of {found.source} holds {found.rows[0][found.names.index(time)]!r}, "
+            "expected numbers (s, ms, us or ns), not dates: choose another (--time), or --rate-hz"
+        )
 
 
 def match(
@@ -160,15 +173,29 @@ def match(
         rest = [name for name in columns if name not in {known.get(key) for key in wanted}]
         if missing:
             raise InputError(
-                f"{taxels} taxels and {len(columns)} columns of {source} are matched {how}: "
-                f"{len(missing)} taxels have no column ({shortlist(missing)}), {len(rest)} columns "
-                f"are left over ({shortlist(rest) or 'none'}); expected one column per taxel"
+                f"{plural(taxels, 'taxel')} and {plural(len(columns), 'column')} of {source} are "
+                f"matched {how}: no column for {plural(len(missing), 'taxel')} "
+                f"({shortlist(missing)}), no taxel for {plural(len(rest), 'column')} "
+                f"({shortlist(rest) or 'none'}); expected one column per taxel"
             )
-        note(f"taxels and columns are matched {how}: {names[0]} is {known[wanted[0]]}")
+        first = known[wanted[0]]
+        its = "" if names[0] == first else f": {names[0]} is {first}"
+        note(f"taxels and columns are matched {how}{its}")
         if rest:
-            note(f"{len(rest)} columns have no taxel: left out ({shortlist(rest)})", "yellow")
+            note(f"left out, as no taxel is named so: {shortlist(rest)}", "yellow")
         rows = np.arange(taxels)
         return tuple(known[key] for key in wanted), replace(patch, channel=rows, n_channels=taxels)
+    if names:
+        note(
+            f"no column is named as the taxels are ({shortlist(names)}): they are matched by "
+            "order, which is to be checked", "yellow",
+        )  # fmt: skip
+    return _in_order(patch, columns, source)
+
+
+def _in_order(patch: Patch, columns: tuple[str, ...], source: str) -> tuple[tuple[str, ...], Patch]:
+    """Columns and patch where the columns stand in the order of channels, or of taxels."""
+    taxels = len(patch)
     if len(columns) == patch.n_channels:
         note(f"columns are matched by order: taxel 0 is {columns[int(patch.channel[0])]}")
         return columns, patch
@@ -177,8 +204,9 @@ def match(
         left = columns[taxels:]
         over = f"columns {shortlist(left)}" if left else f"taxels {len(columns)} to {taxels - 1}"
         raise InputError(
-            f"{source} has {len(columns)} columns of taxels, expected {taxels}, one for each taxel "
-            f"of {patch.name!r}{some}: {over} are left over; choose with --columns"
+            f"{source} has {plural(len(columns), 'column')} of taxels, expected {taxels}, "
+            f"one for each taxel of {patch.name!r}{some}: {over} are left over; "
+            "choose with --columns"
         )
     note(f"columns are matched by order: taxel 0 is {columns[0]}, taxel {taxels - 1} {columns[-1]}")
     return columns, replace(patch, channel=np.arange(taxels), n_channels=taxels)
@@ -189,14 +217,32 @@ def _whole(name: str) -> str:
     return str(int(found[-1])) if found else name
 
 
-def _unit(found: Table, names: tuple[str, ...]) -> str:
-    """Unit of the values, by names and sizes of the first ones."""
-    if any(re.search(r"(?i)d[cr]/?[cr]0?|delta|rel", name) for name in names):
-        return "dC/C0"
+def _unit(found: Table, names: tuple[str, ...]) -> tuple[str, str]:
+    """Unit of the values, by sizes of the first ones and by names; and what tells it."""
     values = np.array([found.numbers(name) for name in names])
     values = values[np.isfinite(values)]
     whole = bool((values == np.rint(values)).all())
-    return "count" if whole or np.abs(np.median(values)) > 0.2 else "dC/C0"
+    named = [name for name in names if RELATIVE & set(re.findall(r"[^\W\d_]+", name.lower()))]
+    if whole and (not named or np.abs(values).max(initial=0.0) > 1.0):
+        return "count", "they are whole numbers"
+    if named:
+        return "dC/C0", f"{named[0]} says so"
+    middle = float(np.median(np.abs(values))) if len(values) else 0.0
+    if middle > 0.2:
+        return "count", f"they are about {middle:.3g}"
+    return "dC/C0", f"they rest at about {middle:.3g}, and are no whole numbers"
+
+
+def check_unit(log: str, settings: LogSettings) -> None:
+    """Raise InputError where values are too large for what they were taken for: a guess."""
+    if settings.columns and settings.unit == "dC/C0":
+        largest = float(np.nanmax(np.abs(open_recording(log, log=settings).counts)))
+        if largest > MOST_RELATIVE:
+            raise InputError(
+                f"values of {log} go to {largest:.3g}, expected at most {MOST_RELATIVE:g} of "
+                "dC/C0: divide them by 100 if they are per cent, or say --unit (dC/C0, count, "
+                "Pa or 1)"
+            )
 
 
 def told_by_presses(log: str, settings: LogSettings) -> tuple[LogSettings, Polarity | None]:
@@ -204,11 +250,17 @@ def told_by_presses(log: str, settings: LogSettings) -> tuple[LogSettings, Polar
     if not settings.columns or settings.unit != "count":
         return settings, None
     counts: Floats = open_recording(log, log=settings).counts
+    if len(counts) < FEWEST:
+        raise InputError(
+            f"{log} has {plural(len(counts), 'reading')}, expected {FEWEST} or more of the skin at "
+            "rest, and some presses"
+        )
     low = float(np.nanmin(counts))
     if low < 0.0 or float(np.nanmax(counts)) > 65535.0:
         raise InputError(
             f"values of {log} go from {low:g} to {np.nanmax(counts):g}, expected counts from 0 to "
-            "65535 with their rest in them; or another --unit"
+            "65535 with their rest in them: log them before it is taken off, or add one number "
+            "to all of them, such as 1000; or say another --unit"
         )
     found = find_polarity(counts)
     rest = float(np.nanmedian(found.rest))

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.cli import options, report
+from skinfield.cli.calibration_inputs import factor_of
 from skinfield.cli.report import Column
 from skinfield.cli.settings import Elastomer, ModelSettings
-from skinfield.errors import Floats
+from skinfield.errors import Floats, InputError
 from skinfield.files.layouts.repair import Finding
 from skinfield.plot import plural
 from skinfield.signal.polarity import Polarity, presses_in
@@ -84,7 +85,7 @@ class LogReview:
         return sorted(sorted(self.presses, key=lambda at: -load[at])[:MOST_SHOWN])
 
 
-def finish_new(made: NewSkin, output: str, picture: str, as_json: bool) -> None:
+def finish_new(made: NewSkin, output: str, picture: str | None, as_json: bool) -> None:
     """Check a skin by its log, write its file and its picture, and say what is next."""
     from skinfield.files.layouts import own_toml
     from skinfield.files.layouts.load import lint
@@ -103,9 +104,9 @@ def finish_new(made: NewSkin, output: str, picture: str, as_json: bool) -> None:
             with report.compilation(quiet=as_json):
                 rows = first_contacts(review, made.names)
         data = file.read_bytes()
-    figure = draw_layout(made.skin) if review is None else _figure(review, made)
-    save(figure, picture)
     write_bytes(output, data)
+    if picture is not None:
+        save(draw_layout(made.skin) if review is None else _figure(review, made), picture)
     result = {
         "skin": output, "taxels": len(made.skin[0]), "log": made.log,
         "findings": [f"{each.severity}: {each.message}" for each in findings],
@@ -134,6 +135,12 @@ def review_log(made: NewSkin, file: str) -> LogReview:
     readings, survey = condition(recording, plan.patch, layer, quantity, how)
     counted = survey.conditioner.calibration
     usable = ~np.isnan(readings).all(axis=0)
+    if not usable.any():
+        report.say_notes(survey.notes)
+        raise InputError(
+            f"no taxel of {made.log} can be used, expected readings that change with presses: are "
+            f"unit ({recording.unit}) and columns right? say --unit, --columns"
+        )
     if counted is not None and counted.unit == "count":
         rest, noise = counted.baseline, counted.noise_std
     else:
@@ -147,7 +154,8 @@ def review_log(made: NewSkin, file: str) -> LogReview:
         from skinfield.files.recordings import columns
 
         alone = columns.only(plan.log, plan.log.load_cell)
-        cell = open_recording(made.log, log=alone).counts[:, 0]
+        newtons = factor_of(None, "N", (plan.log.load_cell,))
+        cell = open_recording(made.log, log=alone).counts[:, 0] * newtons
     return LogReview(plan, seconds, readings, survey, rest, noise, usable, presses, cell)
 
 
@@ -213,7 +221,7 @@ def _lines(
         f"{_range(review.noise)}; {plural(lost, 'taxel')} left out"
     )
     if made.polarity is not None:
-        way = {1: "rise", -1: "fall", 0: "are taken to rise (too little presses to tell)"}
+        way = {1: "rise", -1: "fall", 0: "are taken to rise (too few presses to tell)"}
         yield f"counts {way[made.polarity.direction]} when pressed"
     if not rows:
         yield "nothing presses in this log: record one of some presses on the skin at rest"

@@ -284,6 +284,14 @@ def times_of(flag: str, text: str) -> tuple[float, float]:
     return begin, end
 
 
+def check_calibration(path: str) -> None:
+    """Raise InputError unless the file of a calibration is there."""
+    if not Path(path).is_file():
+        raise InputError(
+            f"--calibration is {path!r}, which is not there, expected a calibration (.toml, .npz)"
+        )
+
+
 def calibration_in(path: str, patch: "sf.Patch") -> "Calibration | None":
     """Calibration of a file, or the one that a recording of a live skin has enclosed, if any."""
     if path.lower().endswith(LIVE):
@@ -293,6 +301,7 @@ def calibration_in(path: str, patch: "sf.Patch") -> "Calibration | None":
     from skinfield.calibrate import TouchCalibration, load_calibration
     from skinfield.signal import Calibration
 
+    check_calibration(path)
     made = load_calibration(path, patch)
     known = made.of_taxels(patch) if isinstance(made, TouchCalibration) else made
     if not isinstance(known, Calibration):

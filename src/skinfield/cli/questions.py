@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from skinfield.cli.report import note
-from skinfield.errors import InputError, SkinfieldError
+from skinfield.errors import InputError, SkinfieldError, check_positive
 
 T = TypeVar("T")
 NONE = "none"  # the word for no answer
@@ -100,5 +100,19 @@ def one_of(words: Sequence[str]) -> Callable[[str], Any]:
         if text not in words:
             raise InputError(f"{text!r} is not known, expected one of {', '.join(words)}")
         return text
+
+    return read
+
+
+def positive(flag: str, why: str) -> Callable[[str], float]:
+    """Reader of a number above 0; `why` says what it is."""
+
+    def read(text: str) -> float:
+        try:
+            value = float(text)
+        except ValueError:
+            raise InputError(f"{flag} is {text!r}, expected a number, {why}") from None
+        check_positive(flag, value, why)
+        return value
 
     return read

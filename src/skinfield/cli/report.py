@@ -282,10 +282,23 @@ def check_output(flag: str, name: str | Path | None, force: bool, *endings: str)
 def check_picture(flag: str, name: str | None, force: bool) -> None:
     """Raise InputError unless a figure can be saved under a name, where there is one."""
     if name is not None:
-        from skinfield.plot import check_name
+        from skinfield.plot import check_drawable, check_name
 
+        check_drawable()
         check_name(name)
         check_output(flag, name, force)
+
+
+def picture_if_drawable(name: str) -> str | None:
+    """Name of a picture that nobody asked for; None, which is said, without Matplotlib."""
+    from skinfield.plot import check_drawable
+
+    try:
+        check_drawable()
+    except InputError as missing:
+        note(f"no picture is made: {missing}", "yellow")
+        return None
+    return name
 
 
 def free_name(name: str) -> str:

@@ -33,11 +33,14 @@ class Numbers:
     values : (T, C) array
         NaN where a place is empty.
     source : str
+    texts : tuple of str
+        Names of columns that hold words, and no numbers: NaN.
     """
 
     names: tuple[str, ...]
     values: Floats
     source: str
+    texts: tuple[str, ...] = ()
 
     def column(self, wanted: str) -> Floats:
         """Values (T,) of a column by its name, or by its number from 1.
@@ -50,6 +53,8 @@ class Numbers:
         return self.values[:, self._place(wanted)]
 
     def _place(self, wanted: str) -> int:
+        if wanted in self.texts:
+            raise InputError(f"column {wanted!r} of {self.source} holds words, expected numbers")
         if wanted in self.names:
             return self.names.index(wanted)
         if wanted.isdecimal() and 1 <= int(wanted) <= len(self.names):
@@ -67,6 +72,11 @@ class Numbers:
     def names_of(self, wanted: str) -> list[str]:
         """Names of such columns."""
         return [self.names[place] for place in self._places(wanted)]
+
+    @property
+    def numeric(self) -> tuple[str, ...]:
+        """Names of the columns that hold numbers."""
+        return tuple(name for name in self.names if name not in self.texts)
 
     def _places(self, wanted: str) -> list[int]:
         found: list[int] = []
@@ -100,6 +110,15 @@ class Numbers:
         return seconds
 
 
+def delimiter_of(line: str) -> tuple[str | None, str]:
+    """Delimiter of a table and its decimal sign, told by a line of numbers; None is any space.
+
+    A comma beside semicolons or tabs is a decimal one, as spreadsheets of many countries write.
+    """
+    delimiter = next((each for each in (";", "\t", ",") if each in line), None)
+    return delimiter, "," if delimiter in (";", "\t") and "," in line else "."
+
+
 def is_numbers(text: str) -> bool:
     """Whether a file's name is one of `read_numbers`."""
     return Path(_parted(text)[0]).suffix.lower() in ENDINGS
@@ -125,7 +144,8 @@ def read_numbers(text: str) -> Numbers:
     except FileError:
         raise
     except OSError as error:
-        raise FileError(f"{name} cannot be read: {error.strerror or error}") from error
+        why = error.strerror or error
+        raise FileError(f"{name} cannot be read: {why}; expected a table of numbers") from error
     except Exception as error:  # SciPy, NumPy and zipfile raise all kinds on garbage
         raise FileError(f"{name} holds no numbers that can be read: {error}") from error
     return Numbers(tuple(str(k + 1) for k in range(values.shape[1])), values, text)
@@ -142,16 +162,18 @@ def _of_text(path: Path) -> Numbers:
     lines = [line for line in every if not line.lstrip().startswith(("#", "%"))]
     if not lines:
         raise FileError(f"{path} is empty, expected a line of names above lines of numbers")
-    delimiter = next((each for each in (",", ";", "\t") if each in lines[0]), None)
+    delimiter, decimal = delimiter_of(lines[-1])
     rows = list(csv.reader(lines, delimiter=delimiter)) if delimiter else [r.split() for r in lines]
     head = [each.strip() for each in rows[0]]
-    named = not all(map(_is_number, head))
+    rows = [[each.replace(decimal, ".") for each in row] for row in rows]
+    named = not all(map(_is_number, rows[0]))
     above = every[every.index(lines[0]) - 1] if every[0] != lines[0] else ""
     said = tuple(each.strip() for each in above.lstrip("#% ").split(delimiter))  # as NumPy writes
     unnamed = said if len(said) == len(head) else tuple(str(k + 1) for k in range(len(head)))
     names = tuple(head) if named else unnamed
     if len(rows) == named:
         raise FileError(f"{path} holds a line of names only, expected lines of numbers below it")
+    words = {k for k, each in enumerate(rows[named]) if each.strip() and not _is_number(each)}
     values = np.full((len(rows) - named, len(names)), np.nan)
     for place, row in enumerate(rows[named:]):
         if len(row) != len(names):
@@ -160,10 +182,12 @@ def _of_text(path: Path) -> Numbers:
                 "first line"
             )
         for column, each in enumerate(row):
+            if column in words:
+                continue
             if each.strip() and not _is_number(each):
                 raise FileError(f"{path}: row {place + 1} holds {each[:20]!r}, expected a number")
             values[place, column] = float(each) if each.strip() else np.nan
-    return Numbers(names, values, str(path))
+    return Numbers(names, values, str(path), tuple(names[k] for k in sorted(words)))
 
 
 def _is_number(text: str) -> bool:

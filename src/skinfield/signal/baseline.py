@@ -236,10 +236,11 @@ def _notes(
             f"{len(stretch.moving)} taxels spread over more than {MOVING:g} times their noise"
         )
     elif stretch.moving.any():
-        rows = ", ".join(str(row) for row in np.flatnonzero(stretch.moving))
-        yield f"in {span} all is still but taxels {rows}"
+        rows = [str(row) for row in np.flatnonzero(stretch.moving)]
+        moving = f"taxel {rows[0]} moves" if len(rows) == 1 else f"taxels {', '.join(rows)} move"
+        yield f"in {span} {moving}; all others are still"
     if convention is None or not np.isfinite(convention.rest):
-        yield "whether the skin was unloaded cannot be told: no convention says its rest"
+        yield f"in {span} the skin is taken to be unloaded: its rest is not known otherwise"
     elif loaded.any():
         yield (
             f"in {span} {int(loaded.sum())} of {len(loaded)} taxels rest on the pressed side of "

@@ -41,14 +41,14 @@ def find_polarity(counts: Floats) -> Polarity:
     Of a press the most changed taxel tells the direction, as the rim beside it changes the other
     way, but less.
     """
-    rest = np.nanmedian(counts, axis=0)
+    rest = _medians(counts)
     change = counts - rest
     steps = np.diff(counts, axis=0)
     # readings one after the other differ by √2 of the noise; whole counts by 1/√12 at least
-    noise = np.maximum(1.4826 * np.nanmedian(np.abs(steps), axis=0) / 2**0.5, 12**-0.5)
+    noise = np.maximum(1.4826 * _medians(np.abs(steps)) / 2**0.5, 12**-0.5)
     whole = np.all(np.isnan(counts) | (counts == np.rint(counts)))
     if not whole:
-        spread = 1.4826 * np.nanmedian(np.abs(steps), axis=0) / 2**0.5
+        spread = 1.4826 * _medians(np.abs(steps)) / 2**0.5
         known = spread[spread > 0.0]
         noise = np.where(spread > 0.0, spread, np.median(known) if len(known) else 1.0)
     over = np.nan_to_num(change) / np.nan_to_num(noise, nan=1.0)
@@ -59,6 +59,14 @@ def find_polarity(counts: Floats) -> Polarity:
     strongest = float(np.nanmax(np.abs(change), initial=0.0))
     size = max(float(np.nanmedian(np.abs(rest))), strongest / MOST_OF_RANGE)
     return Polarity(direction, rest, noise, pressed, (direction or 1) * (size or 1.0))
+
+
+def _medians(values: Floats) -> Floats:
+    """Median of each column of (T, L), NaN left out; NaN where that leaves none."""
+    found = np.full(values.shape[1], np.nan)
+    known = ~np.isnan(values).all(axis=0)
+    found[known] = np.nanmedian(values[:, known], axis=0)
+    return found
 
 
 def presses_in(pressed: Ints, load: Floats, gap: int) -> list[int]:

@@ -174,6 +174,7 @@ def _read_folder(path: Path) -> tuple[Skin, tuple[Finding, ...]]:
             "with a layout file for each part of the robot; those in it are not searched"
         )
     found = [(file, *read_layout(file)) for file in layouts]
+    name = path.resolve().name  # of ".", too
     findings = [each for _, _, its in found for each in its]
     notes = [note for _, skin, _ in found for note in skin.notes]
     name = path.name if path.name not in ("", "..") else path.resolve().name or "skin"

@@ -18,6 +18,7 @@ import numpy as np
 
 from skinfield.errors import FileError, Floats, InputError
 from skinfield.files.layouts.text import listed, read_bytes
+from skinfield.files.numbers import delimiter_of
 
 LengthUnit = Literal["m", "cm", "mm", "inch"]
 METRES = {"mm": 1e-3, "m": 1.0, "cm": 1e-2, "inch": 0.0254}
@@ -40,6 +41,10 @@ class Positions:
     normals : (L, 3) array or None
     names : tuple of str
         Of the taxels, in the table's own words; empty without a column of them.
+    unit : str
+        Of the numbers in the table.
+    guessed : bool
+        Whether the unit is known by the taxels' distance only.
     notes : tuple of str
         Which columns and which unit were taken, and why.
     """
@@ -47,6 +52,8 @@ class Positions:
     positions: Floats
     normals: Floats | None
     names: tuple[str, ...]
+    unit: LengthUnit
+    guessed: bool
     notes: tuple[str, ...]
 
 
@@ -74,7 +81,10 @@ def read_positions(
     places, why = _axes(path, names, rows, axes)
     values = np.zeros((len(rows), 3))
     values[:, : len(places)] = _numbers(path, first, rows, places)
-    told, how = (unit, "as given") if unit else _unit([names[place] for place in places], values)
+    told, how = (unit, "as given") if unit else _named_unit([names[place] for place in places])
+    guessed = told is None
+    if told is None:
+        told, how = _unit_by_distance(values)
     columns = ", ".join(names[place] or f"column {place + 1}" for place in places)
     notes = [f"positions: columns {columns} ({why}), in {told} ({how})"]
     normals = None
@@ -88,7 +98,7 @@ def read_positions(
     if twice := sorted({name for name in taxels if taxels.count(name) > 1})[:8]:
         notes.append(f"names of taxels repeat ({listed(twice)}): not used")
         taxels = ()
-    return Positions(values * METRES[told], normals, taxels, tuple(notes))
+    return Positions(values * METRES[told], normals, taxels, told, guessed, tuple(notes))
 
 
 def _rows(path: Path) -> tuple[list[str], int, list[list[str]]]:
@@ -103,7 +113,7 @@ def _rows(path: Path) -> tuple[list[str], int, list[list[str]]]:
     if not lines or len(lines) > MOST or "\0" in text:
         what = "has no line of numbers" if not lines else "is no table of taxels"
         raise FileError(f"{path} {what}, expected a CSV of positions: a row of x, y for each taxel")
-    delimiter = next((d for d in (";", "\t", ",") if d in lines[-1][1]), None)
+    delimiter, _ = delimiter_of(lines[-1][1])
     table = [(n, _cells(path, n, line, delimiter)) for n, line in lines]
     names: list[str] = [""] * len(table[0][1])
     if not any(_number(cell) is not None for cell in table[0][1]):
@@ -190,14 +200,19 @@ def _axes(
     )
 
 
-def _unit(names: Sequence[str], values: Floats) -> tuple[LengthUnit, str]:
-    """Unit of positions (L, 3) by the names of their columns, else by their distance."""
-    from skinfield.skin.geometry import nearest_distance
-
+def _named_unit(names: Sequence[str]) -> tuple[LengthUnit | None, str]:
+    """Unit in the names of columns; None without one."""
     for name in names:
         words = [word for word in re.split(r"[^a-z]+", name.lower()) if word]
         if len(words) > 1 and words[-1] in WORDS:
             return WORDS[words[-1]], "by their names"  # type: ignore[return-value]
+    return None, ""
+
+
+def _unit_by_distance(values: Floats) -> tuple[LengthUnit, str]:
+    """Unit that makes the distance of positions (L, 3) that of taxels."""
+    from skinfield.skin.geometry import nearest_distance
+
     if len(values) == 1:
         return "mm", "of one taxel, whose place tells no unit"
     distance = nearest_distance(np.unique(values, axis=0))

@@ -8,8 +8,9 @@ names is read as it is:
     time_unit = "ms"
     columns = ["ch0", "ch1", "ch2"]
 
-Delimiters are `,` `;` tab or spaces. Names stand in the line above the numbers, in a comment, too,
-as NumPy writes them; columns without names are called 1, 2, 3 ...
+Delimiters are `,` `;` tab or spaces; beside `;` and tabs commas are decimal. Names stand in the
+line above the numbers, in a comment, too, as NumPy writes them; columns without names are called 1,
+2, 3 ...
 """
 
 import re
@@ -30,7 +31,9 @@ from skinfield.settings import nearest
 from skinfield.skin.log import NS, LogSettings, TimeUnit
 from skinfield.skin.reading import Recording
 
-SLOWEST = 2.0  # readings per second, in which times are taken to be told by their steps
+STEPS: dict[TimeUnit, float] = {"s": 2.0, "ms": 600.0, "us": 1e6, "ns": float("inf")}  # below
+LIKELY = 0.5, 2000.0  # readings per second
+SHORTEST, LONGEST = 2e-5, 1000.0  # s from reading to reading
 SHOWN = 12  # names in a message
 TIME = re.compile(r"(?i)(t|time|times?tamp|stamp|clock|seconds?|sec|millis|micros)([ _.\[(].*)?")
 FORCE = re.compile(r"(?i)(.*[ _])?(force|load|fz|f_?n|load_?cell|newtons?|weight)([ _.\[(].*)?")
@@ -49,15 +52,18 @@ class Table:
         Of its columns.
     delimiter : str or None
         None is any space.
+    decimal : str
+        Decimal sign, a point or a comma.
     skip : int
         Lines before the numbers.
     rows : list
-        Tokens of the first ones.
+        Tokens of the first ones, with decimal points.
     """
 
     source: str
     names: tuple[str, ...]
     delimiter: str | None
+    decimal: str
     skip: int
     rows: list[list[str]]
 
@@ -140,10 +146,10 @@ def read_table(head: Magic) -> Table:
     if len(lines) < 2:
         raise FileError(f"{where}: no rows of numbers, expected a line of names and numbers below")
     (line, text), (_, below) = lines[:2]
-    delimiter = next((d for d in (",", ";", "\t") if d in below or d in text), None)
+    delimiter, decimal = numbers.delimiter_of(below)
     tokens = _clean(text.split(delimiter))
     names = tokens
-    if all(is_number(token) for token in tokens):
+    if all(is_number(token.replace(decimal, ".")) for token in tokens):
         comment = head.lines[line - 2] if line > 1 else ""
         said = _clean(comment.lstrip("#% ").split(delimiter))
         fits = len(said) == len(tokens) and not all(map(is_number, said))
@@ -151,10 +157,10 @@ def read_table(head: Magic) -> Table:
         line -= 1
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise FileError(f"{where}: column {twice[0]!r} stands there twice, expected each name once")
-    rows = head.rows(line, delimiter)
+    rows = [[t.replace(decimal, ".") for t in row] for row in head.rows(line, delimiter)]
     if not any(is_number(token.strip()) for row in rows for token in row):
         raise FileError(f"{where}: no number in the rows below the names, expected a table of them")
-    return Table(str(head.path), tuple(names), delimiter, line, rows)
+    return Table(str(head.path), tuple(names), delimiter, decimal, line, rows)
 
 
 def is_table_of_arrays(text: str) -> bool:
@@ -166,7 +172,7 @@ def table_of_arrays(text: str) -> tuple[Table, Floats]:
     """Table of a file of arrays, such as trial.mat:experiment.C, and its numbers (T, C)."""
     found = numbers.read_numbers(text)
     rows = [list(map(repr, row)) for row in found.values[:SAMPLE].tolist()]
-    return Table(found.source, found.names, None, 0, rows), found.values
+    return Table(found.source, found.names, None, ".", 0, rows), found.values
 
 
 def recording_of_arrays(text: str, log: LogSettings) -> Recording:
@@ -259,11 +265,28 @@ def time_unit_of(name: str, values: Floats) -> tuple[TimeUnit, str]:
             f"times of column {name!r} go on by {step:g} from row to row, expected numbers that "
             "rise: choose another column (--time), or say --rate-hz"
         )
-    for unit in NS:  # type: ignore[assignment]
-        rate = NS["s"] / NS[unit] / step
-        if rate >= SLOWEST:
-            return unit, f"steps of {step:g} make {rate:.4g} readings per second"
-    return "ns", f"steps of {step:g}"
+    unit = next(unit for unit, longest in STEPS.items() if step < longest)
+    rates = {each: NS["s"] / ns / step for each, ns in NS.items()}
+    why = f"steps of {step:g} make {rates[unit]:.4g} reading{'s' * (rates[unit] != 1.0)} per second"
+    others = [f"{rates[each]:.4g} in {each}" for each in NS
+              if each != unit and LIKELY[0] <= rates[each] <= LIKELY[1]]  # fmt: skip
+    if others:
+        why += f" (they would be {', '.join(others)}: --time-unit)"
+    if step == 1.0 and unit == "s":
+        why += "; if they count rows, say --rate-hz instead of --time"
+    return unit, why
+
+
+def check_rate(name: str, unit: TimeUnit, values: Floats) -> None:
+    """Raise InputError where times in a unit come faster, or slower, than any skin reads."""
+    steps = np.diff(values[np.isfinite(values)]) * (NS[unit] / NS["s"])
+    step = float(np.median(steps)) if len(steps) else float("nan")
+    if not SHORTEST <= step <= LONGEST:
+        raise InputError(
+            f"times of column {name!r} in {unit} go on by {step:.3g} s from row to row, expected "
+            f"{SHORTEST:g} to {LONGEST:g} s: say their unit (--time-unit), or --rate-hz without "
+            "--time"
+        )
 
 
 def contents(head: Magic, log: LogSettings) -> RecordingStream:
@@ -288,6 +311,8 @@ def contents(head: Magic, log: LogSettings) -> RecordingStream:
         scale=round(NS["s"] / rate) if log.time is None else NS[log.time_unit],
         expected=f"{len(found.names)} numbers, as the other lines hold",
         delimiter=found.delimiter,
+        decimal=found.decimal.encode(),
+        others=False,
         decimals=usual_decimals(found.rows),
         skip=found.skip,
         keep=np.array([found.names.index(name) for name in columns], np.int64),

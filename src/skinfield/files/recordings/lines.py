@@ -43,6 +43,10 @@ class RecordingStream:
         None stands for any space; with a delimiter, nothing between two of them is a missing value.
     blank : bytes
         Characters that count as spaces.
+    decimal : bytes
+        Sign before the decimals.
+    others : bool
+        Whether columns that are neither time nor readings must hold numbers, too.
     decimals : int
         Of the last number on every line, where they agree; tells a cut number from a whole one.
     skip : int
@@ -72,6 +76,8 @@ class RecordingStream:
     scale: int = 10**9
     delimiter: str | None = None
     blank: bytes = b""
+    decimal: bytes = b"."
+    others: bool = True
     decimals: int = 0
     skip: int = 0
     check: Callable[[Floats], NDArray[np.bool_]] | None = None
@@ -118,7 +124,7 @@ class RecordingStream:
 
     def _stretches(self, doubts: "Doubts") -> Iterator[list[tuple[int, str]]]:
         """Lines that hold data, with their numbers from 1; some megabytes of them at once."""
-        spaces = bytes.maketrans(self.blank, b" " * len(self.blank))
+        spaces = bytes.maketrans(self.blank + self.decimal, b" " * len(self.blank) + b".")
         total, first = self.path.stat().st_size, 1
         with self.path.open("rb") as file:
             while data := file.read(BLOCK) + file.readline():
@@ -183,20 +189,41 @@ class RecordingStream:
 
     def _all_at_once(self, lines: list[str]) -> Floats | None:
         """Table of the lines, or None if one of them is not as expected."""
+        needed = self._needed()
+        if needed is not None and any(len(t.split(self.delimiter)) != self.width for t in lines):
+            return None
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
-                table = np.loadtxt(lines, comments=None, delimiter=self.delimiter, ndmin=2)
+                found = np.loadtxt(
+                    lines, comments=None, delimiter=self.delimiter, usecols=needed, ndmin=2
+                )
         except (ValueError, Warning):
             return None
-        return table if table.shape == (len(lines), self.width) else None
+        if needed is None:
+            return found if found.shape == (len(lines), self.width) else None
+        table = np.full((len(lines), self.width), np.nan)
+        table[:, needed] = found
+        return table
+
+    def _needed(self) -> list[int] | None:
+        """Columns that must hold numbers; None for all."""
+        if self.others:
+            return None
+        return sorted({*self.keep.tolist(), *([self.stamp] if self.stamp >= 0 else [])})
 
     def _one(self, line: str) -> list[float]:
         """Numbers of one line; raises ValueError if it is not as expected."""
         tokens = line.split(self.delimiter)
         if len(tokens) != self.width:
             raise ValueError(f"holds {len(tokens)} numbers, not {self.width}")
-        return [_number(token) for token in tokens]
+        needed = self._needed()
+        if needed is None:
+            return [_number(token) for token in tokens]
+        values = [float("nan")] * self.width
+        for place in needed:
+            values[place] = _number(tokens[place])
+        return values
 
 
 def _number(token: str) -> float:
