@@ -347,6 +347,7 @@ def test_what_is_no_path_no_truth_and_no_reading_is_refused_with_what_to_hand_in
         (lambda: sf.read(None), "path is None, expected a str or a PathLike: of a layout"),
         (lambda: rec(READING).plot(truth=3), "truth is 3, expected an Iterable: of presses, each"),
         (lambda: rec(READING).plot(truth=[3]), "truth[0] is 3"),
+        (lambda: rec(RUN).plot(truth=[]), "truth is given for 3 readings, expected it for one"),
     ]
     for each in (rec, of_counts):
         wrong += [

@@ -199,7 +199,7 @@ class Estimate(Pictured):
             To draw in. Default those of a new figure.
         truth : sequence of (position, force, radius), optional
             What was truly pressed: position (3,) m, or (2,) m in the patch's plane; force in N;
-            radius in m.
+            radius in m. Of one reading only.
 
         Returns
         -------

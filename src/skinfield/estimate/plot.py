@@ -363,6 +363,11 @@ def plot_estimate(
 ) -> Any:
     """Draw the pressure, the taxels and the contacts, or forces over time; see `Estimate.plot`."""
     if estimate.is_batch:
+        if truth is not None:
+            raise InputError(
+                f"truth is given for {len(estimate)} readings, expected it for one: "
+                "plot one of them, as in est[0].plot(truth=...)"
+            )
         return _plot_run(estimate, ax)
     presses = presses_from_truth(truth, estimate.grid)
     width, height = np.ptp(extent_of(estimate.grid, measured=True), axis=0)
