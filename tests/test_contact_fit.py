@@ -206,6 +206,21 @@ def test_a_moving_contact_is_followed(recs: dict[str, sf.Reconstructor]) -> None
     assert same >= 0.8 * len(fresh)  # elsewhere two minima explain one reading about alike
 
 
+def test_presses_that_grow_on_a_board_that_rounds_are_as_many_as_they_are() -> None:
+    """Rest reads the same count for ever there; that is no reason to believe in less noise."""
+    step, places = 1.0 / 342.0, [(-9e-3, 2e-3), (13e-3, 5e-3), (0.0, 13e-3)]
+    rec, rng = made("capacitance", noise=1e-3), np.random.default_rng(0)
+    presses = np.array([truth(BALL, place, "capacitance") for place in places])
+    rec(np.zeros(len(PATCH)))
+    for count in range(1, 4):
+        force = np.ones((20, count))
+        force[:10, -1] = np.linspace(0.1, 1.0, 10)
+        readings = force @ presses[:count] + rng.normal(scale=5e-4, size=(20, len(PATCH)))
+        estimate = rec(np.round(readings / step) * step)
+        assert [len(contacts) for contacts in estimate.contacts[10:]] == [count] * 10
+        assert not any("unlike" in note for note in estimate.notes)
+
+
 def test_reset_makes_results_repeatable_and_a_batch_is_its_readings(
     recs: dict[str, sf.Reconstructor],
 ) -> None:

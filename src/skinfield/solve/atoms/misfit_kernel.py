@@ -43,6 +43,7 @@ from skinfield.solve.atoms.reading_memory import (
     PLACE_X,
     PLACE_Y,
     PRESSES,
+    READ_STEP,
     ROOM,
     SCALE,
     SPREAD,
@@ -52,6 +53,8 @@ from skinfield.solve.atoms.reading_memory import (
 )
 
 QUIETEST = 1e-3  # of the stated noise, that is believed
+UNCHANGED = 0.05  # deviations between two readings: less may be drift that was taken off
+WIDENS = 1.2  # times, by how much the step of a board is taken for more in one reading
 QUIET = 0.25  # of the expected squares of residuals: below, there is less noise than was stated
 CALM = 0.7  # the same, where more noise than was stated had been assumed
 UNSEEN = 12  # taxels that see no contact, and tell the noise by themselves
@@ -280,14 +283,40 @@ def explains(fit: Fit) -> bool:
 
 
 @inner(_nrt=False)
+def take_change(fit: Fit, readings: Floats) -> None:
+    """Learn the step in which a board reads, of what changed since the reading before.
+
+    Of all taxels the smallest change that is no drift; in stated deviations.
+    """
+    numbers, step = fit.own.numbers, np.inf
+    before = fit.memory.taxels[READINGS]
+    for taxel in range(len(readings)):
+        change = abs(readings[taxel] - before[taxel]) / fit.own.heard[taxel]
+        if before[taxel] != 0.0 and change > UNCHANGED:
+            step = min(step, change)
+    if step < np.inf:
+        numbers[READ_STEP] = min(step, WIDENS * numbers[READ_STEP])
+    if numbers[SCALE] < 1.0:
+        numbers[SCALE] = max(numbers[SCALE], quietest(fit))
+
+
+@inner(_nrt=False)
+def quietest(fit: Fit) -> float:
+    """Least noise that is believed, of the stated one: of rounding, where a board is known to."""
+    step = fit.own.numbers[READ_STEP]
+    return float(min(max(QUIETEST, step / np.sqrt(12.0)), 1.0)) if step < np.inf else QUIETEST
+
+
+@inner(_nrt=False)
 def noise_scale(fit: Fit) -> float:
     """By how much the noise differs from what is assumed, by what the atoms leave over; or 1.
 
     It is less where the squares are far fewer than the taxels: of all taxels, and of those that
     see a contact, the larger of the two, so that taxels that always read zero do not speak for
-    the others. It is more where the atoms do not explain the readings and taxels that see none
-    of them are as restless: what they read is no touch. Where as many atoms as there may be do
-    not explain the readings, all taxels tell it.
+    the others; a board that rounds is no quieter than that makes it. It is more where the atoms
+    do not explain the readings and taxels that see none of them are as restless: what they read
+    is no touch. Where as many atoms as there may be do not explain the readings, all taxels tell
+    it.
     """
     memory, scale = fit.memory, fit.own.numbers[SCALE]
     white, predicted, count = memory.taxels[WHITE], memory.predicted[NOW], memory.counts[NOW]
@@ -321,7 +350,7 @@ def noise_scale(fit: Fit) -> float:
     share = squares / max(heard - parameters, 1)
     if see > parameters + 2:
         share = max(share, own / (see - parameters))
-    enough, least = (QUIET, QUIETEST / scale) if scale <= 1.0 else (CALM, 1.0 / scale)
+    enough, least = (QUIET, quietest(fit) / scale) if scale <= 1.0 else (CALM, 1.0 / scale)
     return 1.0 if share > enough else max(float(np.sqrt(share)), least)
 
 

@@ -54,6 +54,7 @@ from skinfield.solve.atoms.misfit_kernel import (
     infer,
     learn,
     noise_scale,
+    take_change,
     take_noise,
     take_offset,
     weigh,
@@ -92,6 +93,7 @@ from skinfield.solve.atoms.reading_memory import (
     OTHER_TOTAL,
     OTHERS,
     REFINING,
+    RESTED_SPREAD,
     RESTING,
     SCALE,
     SEARCHED_BY,
@@ -270,6 +272,7 @@ def find_contacts(fit: Fit, readings: Floats, valid: NDArray[np.bool_], deadline
     marks[DUTY] = (marks[DUTY] + 1) % DUTIES if pressed else 0
     memory.marks[LATE] = memory.marks[STEPS] = memory.marks[STEPPED] = 0
     common = fit.rules.common_mode * take_noise(fit, valid)
+    take_change(fit, readings)
     energy, highest = 0.0, 0.0
     for taxel in range(len(readings)):
         memory.taxels[READINGS, taxel] = readings[taxel]
@@ -504,8 +507,11 @@ def answer_reading(
     errors, offset = fit.drawing.errors, own.numbers[OFFSET]
     errors[0], errors[1] = own.numbers[UNSURE_PLACE], own.numbers[UNSURE_FORCE]
     errors[2] = own.numbers[SPREAD]
+    if own.marks[STAGE] == RESTING:  # before, touches that are not found yet are model error, too
+        own.numbers[RESTED_SPREAD] = own.numbers[SPREAD]
+    error = own.numbers[RESTED_SPREAD]
     join_by_strips(
-        fit.model.taxels, memory, offset, own.heard, errors[2], fit.strips, fit.drawing.strip
+        fit.model.taxels, memory, offset, own.heard, error, fit.strips, fit.drawing.strip
     )
     count = write_rows(
         grid, memory, fit.post, fit.pairs, fit.strips, at_mean, fit.drawing, pressure, rows

@@ -29,7 +29,9 @@ SEEKING, REFINING, DROPPING, SPLITTING, RESTING = range(5)
 # error that is searched by; the noise when it last changed; the least worth of atoms when compared;
 # energy of the reading before; the model error when sets of atoms were compared; the noise when
 # numbers of atoms were compared; deviations of place, thicknesses, and of the force's logarithm, as
-# the mechanics are not sure; these of a press that begins; and where the first atom last was.
+# the mechanics are not sure; these of a press that begins; where the first atom last was;
+# the model error in the mean square when no comparison was open; and the step in which the board
+# reads, in stated deviations.
 (
     SCALE,
     COMPARED,
@@ -58,7 +60,9 @@ SEEKING, REFINING, DROPPING, SPLITTING, RESTING = range(5)
     OPEN_FORCE,
     LAST_X,
     LAST_Y,
-) = range(27)
+    RESTED_SPREAD,
+    READ_STEP,
+) = range(29)
 # Places of `ReadingMemory.marks`: presses before; stage; the round of a search; the atom that is
 # left out; whether a comparison was interrupted (2: its search begins anew), and whether what is
 # open was; whether the answer explains the readings; how many atoms the other set has; whether
@@ -130,7 +134,7 @@ class ReadingMemory(NamedTuple):
 
     Attributes
     ----------
-    numbers : (27,) array
+    numbers : (29,) array
     marks : (16,) int array
     errors : (4, 9) array
         Logarithms of the likelihood of each of `ERRORS`.
@@ -154,8 +158,9 @@ class ReadingMemory(NamedTuple):
     @classmethod
     def of(cls, noise: Floats, most: int, model_error: float) -> "ReadingMemory":
         """Room for so many atoms."""
-        numbers = np.zeros(LAST_Y + 1)
+        numbers = np.zeros(READ_STEP + 1)
         numbers[DRAWN], numbers[MEAN_NOISE] = DRAWING, noise.mean()
+        numbers[READ_STEP] = np.inf
         made = cls(
             numbers,
             np.zeros(16, np.int64),
@@ -189,7 +194,7 @@ class Fit(NamedTuple):
 @inner(_nrt=False)
 def forget(own: ReadingMemory, error: float) -> None:
     """Have the next reading be the first one, of a model with some error."""
-    own.numbers[MISFIT] = own.numbers[SPREAD] = error
+    own.numbers[MISFIT] = own.numbers[SPREAD] = own.numbers[RESTED_SPREAD] = error
     own.numbers[SCALE], own.numbers[COMPARED] = 1.0, 0.0
     own.numbers[PLACE_X] = own.numbers[PLACE_Y] = np.inf
     own.numbers[LAST_X] = own.numbers[LAST_Y] = np.inf
