@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -77,13 +78,26 @@ def set_up(what: str) -> None:
             subprocess.call([*venv, "--without-pip", "--clear"])  # another pip can install into it
         stamp, made_for = blank, ""
     done = done if made_for == project else ""
-    if what not in done.split():
+    if not done or needs(what) - {each for one in done.split() for each in needs(one)}:
         pip = find_pip()
         STAMP.write_text("unfinished\n\n")  # stays if this is killed
         if status := install(pip, what):
             STAMP.write_text(stamp)
             raise SystemExit(f"dev.py: pip failed with status {status}; its reason stands above")
         STAMP.write_text(f"{ROOT}\n{project}\n{done} . {what}")
+
+
+def needs(what: str) -> set[str]:
+    """Requirements of `.[extra]`, those of the extras that it names among them; none of `.`."""
+    import tomllib
+
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    extras: dict[str, list[str]] = project["optional-dependencies"]
+    found: set[str] = set()
+    for name in re.findall(r"[\w-]+", what.partition("[")[2]):
+        for each in extras[name]:
+            found |= needs(each) if each.startswith("skinfield[") else {each}
+    return found
 
 
 def works() -> bool:

@@ -10,11 +10,11 @@ import pytest
 from command_line import invoke, result_of
 
 from skinfield.cli import doctor as command
-from skinfield.cli.doctor import Finding
+from skinfield.cli.doctor import Row
 from skinfield.ring import files as ring_files
 
 
-def findings_of(*checks: str) -> dict[str, Finding]:
+def findings_of(*checks: str) -> dict[str, Row]:
     return {each.what: each for check in checks for each in getattr(command, check)()}
 
 
@@ -31,8 +31,8 @@ def test_this_machine_can_run_and_each_row_has_its_state() -> None:
 def test_a_missing_thing_ends_with_status_1_and_says_what_to_do(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    def lacking() -> Iterator[Finding]:
-        yield Finding("shared memory", "missing", "[none]", "make /dev/shm")
+    def lacking() -> Iterator[Row]:
+        yield Row("shared memory", "missing", "[none]", "make /dev/shm")
 
     for checks, code, verdict in (
         ((lacking,), 1, "something is missing"), ((command.python,), 0, "can work here"),

@@ -48,7 +48,8 @@ def test_core_needs_no_extra() -> None:
 def dev(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> types.ModuleType:
     """dev.py of a clone in a folder of its own, whose pip writes down what it would install."""
     (tmp_path / "dev.py").write_bytes((ROOT / "dev.py").read_bytes())
-    (tmp_path / "pyproject.toml").write_text("first")
+    extras = 'lint = ["ruff>=0.12"]\ntest = ["pytest>=8"]\ndev = ["skinfield[test,lint]", "mypy"]'
+    (tmp_path / "pyproject.toml").write_text(f"[project.optional-dependencies]\n{extras}\n")
     spec = importlib.util.spec_from_file_location("dev", tmp_path / "dev.py")
     assert spec is not None
     assert spec.loader is not None
@@ -73,10 +74,10 @@ def test_set_up_installs_once_and_only_what_is_missing(dev: types.ModuleType) ->
     for what in (".[lint]", ".", ".[test]", ".", ".[lint]"):
         dev.set_up(what)
     assert dev.installed == [".[lint]", ".[test]"]
-    (dev.ROOT / "pyproject.toml").write_text("second")
-    dev.set_up(".")
-    dev.set_up(".")
-    assert dev.installed == [".[lint]", ".[test]", "."]
+    (dev.ROOT / "pyproject.toml").open("a").write("# second\n")
+    for what in (".", ".", ".[dev]", ".[lint]", ".[test]"):
+        dev.set_up(what)
+    assert dev.installed == [".[lint]", ".[test]", ".", ".[dev]"]
 
 
 @pytest.mark.parametrize("lost", ["python", ""])

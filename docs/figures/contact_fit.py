@@ -16,12 +16,12 @@ from typing import Any
 
 import click
 import numpy as np
+from looks import draw_field
 
 import skinfield as sf
 from skinfield.errors import Floats
 from skinfield.plot import add_colour_bar, add_title, new_figure, save, signed_colours, style
 from skinfield.simulate.pressing.press import readings_anywhere
-from skinfield.skin.maps import outline_pads
 
 IMAGES = Path(__file__).parents[1] / "images"
 PATCH, LAYER = sf.layouts.hexagon72(), sf.Layer()
@@ -232,8 +232,6 @@ def picture() -> None:
     """Truth, the default field and the contact fit, of capacitance with typical noise."""
     grid = sf.Grid.square(PATCH, nodes=60)
     recs = {name: reconstructor(name, "capacitance", NOISE, 60) for name in SOLVERS}
-    low = (grid.origin - grid.pitch / 2) * 1e3
-    high = low + np.array(grid.shape[::-1]) * grid.pitch * 1e3
     with style():
         figure = new_figure(9.6, 12.2)
         for row, (what, parts) in enumerate(SHOWN.items()):
@@ -246,14 +244,7 @@ def picture() -> None:
             middle = np.mean([pose[:2] for _, pose in parts], axis=0) * 1e3
             for column, (name, pressure) in enumerate(fields.items()):
                 axes = figure.add_axes((0.07 + column * 0.29, 0.79 - row * 0.248, 0.27, 0.178))
-                image = axes.imshow(
-                    pressure.reshape(grid.shape),
-                    origin="lower",
-                    extent=(low[0], high[0], low[1], high[1]),
-                    cmap=colours,
-                    norm=scale,
-                )
-                outline_pads(axes, PATCH)
+                image = draw_field(axes, PATCH, grid, pressure, cmap=colours, norm=scale)
                 axes.set(
                     xlim=(middle[0] - 14, middle[0] + 14), ylim=(middle[1] - 11, middle[1] + 11)
                 )

@@ -1,8 +1,14 @@
-"""Looks of curves that the figures of several pages share."""
+"""Looks of curves and fields that the figures of several pages share."""
 
+from typing import Any
+
+import numpy as np
 from matplotlib.figure import Figure
 
+import skinfield as sf
+from skinfield.errors import Floats
 from skinfield.plot import INK
+from skinfield.skin.maps import outline_pads
 
 DASHES = ((0, (6, 2)), ":")
 
@@ -17,3 +23,13 @@ def dashed(figure: Figure, *names: str) -> None:
         for word, line in lines:
             if word == name:
                 line.set(color=INK, ls=DASHES[turn % 2], lw=1.2)
+
+
+def draw_field(axes: Any, patch: sf.Patch, grid: sf.Grid, field: Floats, **look: Any) -> Any:
+    """Draw values (K,) on a grid, in mm, with the pads of the patch over them; the image."""
+    low = (grid.origin - grid.pitch / 2) * 1e3
+    high = low + np.array(grid.shape[::-1]) * grid.pitch * 1e3
+    extent = low[0], high[0], low[1], high[1]
+    image = axes.imshow(field.reshape(grid.shape), origin="lower", extent=extent, **look)
+    outline_pads(axes, patch)
+    return image

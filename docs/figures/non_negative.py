@@ -16,6 +16,7 @@ from typing import Any
 
 import click
 import numpy as np
+from looks import draw_field
 
 import skinfield as sf
 from skinfield.errors import Floats
@@ -25,7 +26,6 @@ from skinfield.lab.score import column
 from skinfield.lab.validation import Entrant
 from skinfield.plot import add_colour_bar, add_title, new_figure, save, signed_colours, style
 from skinfield.simulate import Press, press
-from skinfield.skin.maps import outline_pads
 
 IMAGES = Path(__file__).parents[1] / "images"
 PATCH = sf.layouts.hexagon72()
@@ -118,8 +118,6 @@ def fields(case: Case, grid: sf.Grid) -> dict[str, Floats]:
 def picture() -> None:
     """Truth and what both solvers make of capacitance with typical noise."""
     grid = sf.Grid.square(PATCH)
-    low = (grid.origin - grid.pitch / 2) * 1e3
-    high = low + np.array(grid.shape[::-1]) * grid.pitch * 1e3
     with style():
         figure = new_figure(9.6, 6.4)
         for row, (shape, pose) in enumerate(SHOWN.items()):
@@ -128,14 +126,7 @@ def picture() -> None:
             colours, scale = signed_colours(np.stack(list(drawn.values())))
             for column, (name, pressure) in enumerate(drawn.items()):
                 axes = figure.add_axes((0.06 + column * 0.295, 0.57 - row * 0.49, 0.27, 0.36))
-                image = axes.imshow(
-                    pressure.reshape(grid.shape),
-                    origin="lower",
-                    extent=(low[0], high[0], low[1], high[1]),
-                    cmap=colours,
-                    norm=scale,
-                )
-                outline_pads(axes, PATCH)
+                image = draw_field(axes, PATCH, grid, pressure, cmap=colours, norm=scale)
                 x, y = pose[0] * 1e3, pose[1] * 1e3
                 axes.set(xlim=(x - 14, x + 14), ylim=(y - 12, y + 12), xlabel="x (mm)")
                 if column == 0:

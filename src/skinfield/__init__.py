@@ -47,44 +47,31 @@ if _typing.TYPE_CHECKING:
     __version__: str
 
 _ON_DEMAND = {  # a module, or a module and what it holds
-    "BaseStress": "skinfield.elastic:BaseStress",
-    "BondedLayer": "skinfield.elastic:BondedLayer",
-    "Capacitance": "skinfield.elastic:Capacitance",
     "calibrate": "skinfield.calibrate",
-    "connect": "skinfield.loop:connect",
-    "Contact": "skinfield.estimate:Contact",
     "datasets": "skinfield.simulate.datasets",
-    "ContactFinder": "skinfield.estimate:ContactFinder",
-    "Auto": "skinfield.solve:Auto",
-    "ContactFit": "skinfield.solve:ContactFit",
-    "Detector": "skinfield.solve.detection:Detector",
     "errors": "skinfield.errors",
-    "Engine": "skinfield.reconstruct.engine:Engine",
-    "Estimate": "skinfield.estimate:Estimate",
-    "find_faults": "skinfield.signal:find_faults",
-    "Gap": "skinfield.elastic:Gap",
-    "GaussianField": "skinfield.solve:GaussianField",
-    "Grid": "skinfield.skin:Grid",
-    "HalfSpace": "skinfield.elastic:HalfSpace",
-    "Inverse": "skinfield.solve:Inverse",
-    "Layer": "skinfield.elastic:Layer",
     "layouts": "skinfield.skin.generators",
-    "load_calibration": "skinfield.calibrate:load_calibration",
-    "load_layout": "skinfield.files.layouts.load:load_layout",
-    "NonNegative": "skinfield.solve:NonNegative",
-    "load_contacts": "skinfield.files:load_contacts",
-    "open_results": "skinfield.files:open_results",
-    "Patch": "skinfield.skin:Patch",
-    "PseudoInverse": "skinfield.solve:PseudoInverse",
-    "read": "skinfield.files.read:read",
-    "Reconstructor": "skinfield.reconstruct:Reconstructor",
-    "save_layout": "skinfield.files.layouts.load:save_layout",
-    "save_results": "skinfield.files:save_results",
-    "Sheet": "skinfield.solve:Sheet",
     "simulate": "skinfield.simulate",
-    "Skin": "skinfield.skin:Skin",
-    "Tikhonov": "skinfield.solve:Tikhonov",
-    "Tracker": "skinfield.estimate:Tracker",
+    **{
+        name: f"skinfield.{module}:{name}"
+        for module, names in {
+            "calibrate": "load_calibration",
+            "elastic": "BaseStress BondedLayer Capacitance Gap HalfSpace Layer",
+            "estimate": "Contact ContactFinder Estimate Tracker",
+            "files": "load_contacts open_results save_results",
+            "files.layouts.load": "load_layout save_layout",
+            "files.read": "read",
+            "loop": "connect",
+            "reconstruct": "Reconstructor",
+            "reconstruct.engine": "Engine",
+            "signal": "find_faults",
+            "skin": "Grid Patch Skin",
+            "solve": "Auto ContactFit GaussianField Inverse NonNegative PseudoInverse "
+            "Sheet Tikhonov",
+            "solve.detection": "Detector",
+        }.items()
+        for name in names.split()
+    },
 }
 
 

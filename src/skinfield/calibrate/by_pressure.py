@@ -186,7 +186,8 @@ def pressure(counts: ArrayLike, pressure_pa: ArrayLike) -> PressureCalibration:
     use = np.flatnonzero([not why for why in broken])
     constants, widths, own, by_line = _choose(table[:, use] - rest[use], span[use], reference)
     whole = _features(table[:, use] - rest[use], span[use], constants, widths)
-    fitted, far = _fit(whole, reference), own > FAR * reference.std()
+    fitted = _fit(*_moments(whole, reference), float(np.abs(reference).max()))
+    far = own > FAR * reference.std()
     for row in np.flatnonzero(far):
         broken[use[row]] = f"{own[row] * 1e-3:.3g} kPa off, over half as far as a constant"
     _check_any(broken)
@@ -384,14 +385,15 @@ def _drift(pressures: Floats, high: float) -> Floats:
     drift, spread = np.zeros(pressures.shape), np.square(DRIFT * high)
     variance, grown = np.full(pressures.shape[1], spread), spread / DRIFT_TIME
     now, noise = np.zeros(pressures.shape[1]), np.square(REST_NOISE * high)
+    there = np.isfinite(pressures)
     for reading, row in enumerate(pressures):
-        off, total = row - now, noise + variance
+        off, total = np.where(there[reading], row - now, 0.0), noise + variance
         at_rest = np.exp(-0.5 * np.square(off) / total) / np.sqrt(2.0 * np.pi * total)
         pressed = np.where(off > 0.0, 1.0 / high, 0.0)
-        weight = np.nan_to_num(at_rest / np.maximum(at_rest + pressed, 1e-300))
+        weight = there[reading] * at_rest / np.maximum(at_rest + pressed, 1e-300)
         gain = variance * weight / (variance * weight + CORRELATED * noise)
         bound = 2.0 * np.sqrt(total)
-        now = now + np.nan_to_num(gain * np.clip(off, -bound, bound))
+        now = now + gain * np.clip(off, -bound, bound)
         variance = variance * (1.0 - gain) + grown
         drift[reading] = now
     return drift
@@ -425,25 +427,33 @@ def _features(change: Floats, span: Floats, constants: Numbers, widths: Numbers)
 def _foretold(features: Floats, reference: Floats) -> Floats:
     """Error (L,), Pa rms, of contiguous parts foretold from the others."""
     squares, answers = np.zeros((2, features.shape[2]))
-    for part in np.array_split(np.arange(len(reference)), PARTS):
-        rest = np.ones(len(reference), np.bool_)
-        rest[part] = False
-        weights = _fit(features[:, rest], reference[rest])
+    parts = np.array_split(np.arange(len(reference)), PARTS)
+    moments = [_moments(features[:, part], reference[part]) for part in parts]
+    gram, along = (sum(each) for each in zip(*moments, strict=True))
+    highest = float(np.abs(reference).max())
+    for part, own in zip(parts, moments, strict=True):
+        weights = _fit(gram - own[0], along - own[1], highest)
         guess = np.einsum("ktl,lk->tl", features[:, part], weights)
         squares += np.nansum((guess - reference[part, None]) ** 2, axis=0)
         answers += np.isfinite(guess).sum(axis=0)
     return np.asarray(np.sqrt(squares / answers))
 
 
-def _fit(features: Floats, reference: Floats) -> Floats:
-    """Weights (L, 2 + K + J) of taxels, each drawn towards those of all."""
-    features = np.nan_to_num(features)
-    terms = len(features)
-    gram = np.einsum("ktl,mtl->lkm", features, features)
-    along = np.einsum("ktl,t->lk", features, reference)
+def _moments(features: Floats, reference: Floats) -> tuple[Floats, Floats]:
+    """Products of each taxel's features, (L, K, K), and with the reference, (L, K)."""
+    known = np.ascontiguousarray(np.nan_to_num(features).transpose(2, 0, 1))
+    return known @ known.transpose(0, 2, 1), known @ reference
+
+
+def _fit(gram: Floats, along: Floats, highest: float) -> Floats:
+    """Weights (L, 2 + K + J) of taxels, each drawn towards those of all, by `_moments`.
+
+    The highest pressure, Pa, says what an error may be.
+    """
+    terms = gram.shape[1]
     lines = np.linalg.solve(gram[:, :2, :2] + 1e-9 * np.eye(2), along[:, :2, None])[..., 0]
     unit = np.ones((len(lines), terms))
-    unit[:, 0] = ERROR * np.abs(reference).max()
+    unit[:, 0] = ERROR * highest
     unit[:, 1:] = lines[:, 1:]  # the slope
     variance = unit[:, 0] ** 2 * CORRELATED
     gram = gram * unit[:, :, None] * unit[:, None, :] / variance[:, None, None]

@@ -76,27 +76,19 @@ def _anytime(bench: Mapping[str, Any]) -> "Table":
         **LOOK,
     )
     for point in bench["points"]:
-        place = point["place_median_mm"]
+        place, until, gap = point["place_median_mm"], point["deadline_us"], point["gap"]
         made.add_row(
             f"{point['solver']}, {point['start']}",
-            _deadline(point),
+            NONE if until is None else duration(1e-6 * until),
             _of(point["seconds_us"], "p50"),
             _share(point["errors"] and point["errors"]["p50"]),
-            _gap(point),
+            NONE if gap is None else f"{gap['p50']:.0e}",
             _share(point["force"] and point["force"]["p50"]),
             NONE if place is None else f"{place:.2f} mm",
             f"{point['missed']:.2f}",
-            end_section=point["deadline_us"] is None,
+            end_section=until is None,
         )
     return made
-
-
-def _deadline(row: Row) -> str:
-    return NONE if row["deadline_us"] is None else duration(1e-6 * row["deadline_us"])
-
-
-def _gap(row: Row) -> str:
-    return NONE if row["gap"] is None else f"{row['gap']['p50']:.0e}"
 
 
 def _of(found: Mapping[str, float] | None, key: str) -> str:

@@ -1,7 +1,7 @@
 """`skinfield calibrate`: what a known load says about the skin."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 from cyclopts import Parameter
@@ -18,11 +18,27 @@ if TYPE_CHECKING:
     from skinfield.calibrate import ForceCalibration, PressureCalibration, TouchCalibration
     from skinfield.cli.calibration_inputs import Series
     from skinfield.cli.reconstruct_jobs import JobPlan
+    from skinfield.elastic import Layer
+    from skinfield.reconstruct.diagnostics import Conditioning
     from skinfield.reconstruct.serialisation import ReconstructorConfig
+    from skinfield.signal import Calibration
     from skinfield.skin import Patch
     from skinfield.skin.log import LogSettings
 
 PLACE_STD = 0.3e-3  # m, of taxels as they are made
+TimeColumn = Annotated[
+    str | None, Parameter(help="Column of the times of RECORDING, where it is a plain table.")
+]
+TaxelColumns = Annotated[
+    str | None,
+    Parameter(help="Columns of the taxels of RECORDING, such as 3-282, where it is a plain table."),
+]
+CalibrationFile = Annotated[
+    str | None, options.OUTPUT, Parameter(help="Calibration file (.toml, .npz).")
+]
+ReportFolder = Annotated[
+    str | None, Parameter(name="--report", help="DIR for a page with figures and a verdict.")
+]
 
 calibrate = new_app(
     "calibrate",
@@ -131,13 +147,13 @@ def by_force(
     *more: Annotated[str, Parameter(name="MORE", show=False)],
     layout: options.LayoutText,
     patch: options.PatchName = None,
-    time: str | None = None,
-    columns: str | None = None,
+    time: TimeColumn = None,
+    columns: TaxelColumns = None,
     labels: str | None = None,
     unit: str | None = None,
     offset: str | None = None,
-    output: Annotated[str | None, options.OUTPUT] = None,
-    report_folder: Annotated[str | None, Parameter(name="--report")] = None,
+    output: CalibrationFile = None,
+    report_folder: ReportFolder = None,
     force: options.Force = False,
     as_json: options.Json = False,
 ) -> None:
@@ -159,10 +175,6 @@ def by_force(
         Of the skin.
     labels_file : str
         Forces: a log, a CSV, FILE.mat:NAME, FILE.npz:NAME.
-    time : str, optional
-        Column of the times of RECORDING, where it is a plain table.
-    columns : str, optional
-        Columns of the taxels of RECORDING, such as 3-282, where it is a plain table.
     labels : str, optional
         Columns of the forces, one or three. Default all but the times.
     unit : str, optional
@@ -170,10 +182,6 @@ def by_force(
     offset : str, optional
         What the sensor reads without load, to be taken off: as many numbers as labels have columns,
         in their unit.
-    output : str, optional
-        Calibration file (.toml, .npz).
-    report_folder : str, optional
-        DIR for a page with figures and a verdict.
     """
     from skinfield.calibrate.by_force import fit_force
     from skinfield.calibrate.plot import draw_trivial
@@ -215,12 +223,12 @@ def by_pressure(
     labels_file: Annotated[str, Parameter(name="PRESSURE")],
     /,
     *,
-    time: str | None = None,
-    columns: str | None = None,
+    time: TimeColumn = None,
+    columns: TaxelColumns = None,
     labels: str | None = None,
     unit: str | None = None,
-    output: Annotated[str | None, options.OUTPUT] = None,
-    report_folder: Annotated[str | None, Parameter(name="--report")] = None,
+    output: CalibrationFile = None,
+    report_folder: ReportFolder = None,
     force: options.Force = False,
     as_json: options.Json = False,
 ) -> None:
@@ -237,19 +245,11 @@ def by_pressure(
         Of the skin, readings evenly spaced in time.
     labels_file : str
         The pressure: a CSV, FILE.mat:NAME, FILE.npz:NAME.
-    time : str, optional
-        Column of the times of RECORDING, where it is a plain table.
-    columns : str, optional
-        Columns of the taxels of RECORDING, such as 3-282, where it is a plain table.
     labels : str, optional
         Column of the pressure. Default the only one beside the times.
     unit : str, optional
         Of the pressure: Pa, kPa, MPa, bar, mbar, psi. Default as columns are named, such as p_kPa,
         else Pa.
-    output : str, optional
-        Calibration file (.toml, .npz).
-    report_folder : str, optional
-        DIR for a page with figures and a verdict.
     """
     from skinfield.calibrate import pressure as fit
     from skinfield.calibrate.plot import draw_errors
@@ -285,7 +285,7 @@ def touch(
     known: float | None = None,
     at: str | None = None,
     output: Annotated[str | None, options.OUTPUT] = None,
-    report_folder: Annotated[str | None, Parameter(name="--report")] = None,
+    report_folder: ReportFolder = None,
     force: options.Force = False,
     as_json: options.Json = False,
     counts: options.Counts = options.CountSettings(),
@@ -312,27 +312,65 @@ def touch(
         FROM,TO: when the known force pressed, s after the first reading of the first recording.
     output : str, optional
         Calibration file (.toml, .npz), for `skinfield reconstruct --calibration`.
-    report_folder : str, optional
-        DIR for a page with a figure and a verdict.
     """
     from skinfield.calibrate import touch as fit
     from skinfield.calibrate.plot import draw_gains
-    from skinfield.calibrate.touch_presses import between, noise_of_differences
     from skinfield.cli.reconstruct_jobs import JobPlan
-    from skinfield.elastic import Capacitance
-    from skinfield.files import open_recording
-    from skinfield.files.recordings.matching import readings_for
-    from skinfield.reconstruct.diagnostics import condition
 
     _check_files(output, report_folder, force)
     if (known is None) != (at is None):
         raise InputError("--known and --at belong together: a force, and when it pressed")
     if known is not None:
         check_positive("--known", known, "the force in N of what presses during --at")
-    plan = JobPlan.of(layout, patch, counts, elastomer, ModelSettings())
-    layer, how = options.layer_of(plan.elastomer), options.conditioning_of(plan.patch, plan.counts)
     if not recordings:
         raise InputError("RECORDING is missing, expected one or more of presses")
+    plan = JobPlan.of(layout, patch, counts, elastomer, ModelSettings())
+    layer, how = options.layer_of(plan.elastomer), options.conditioning_of(plan.patch, plan.counts)
+    presses = _presses_in(recordings, plan, layer, how)
+    forces = None
+    if known is not None:
+        forces = np.full(len(presses.readings), np.nan)
+        forces[: len(presses.stamps)][_part_of(presses.stamps, at)] = known
+    with report.progress("fitting presses and skin"):
+        made = fit(
+            plan.patch, presses.readings, noise_std=how.noise_std, layer=layer,
+            known_force=forces, place_std=PLACE_STD,
+        )  # fmt: skip
+    counted = presses.calibration
+    if counted is not None:
+        rest = np.where(counted.alive, presses.rest * counted.gain, 0.0)
+        made = made.with_counts(replace(counted, baseline=counted.baseline + rest))
+    beside = 100.0 * (made.gain - 1.0)
+    gains = {"Gain of each taxel": draw_gains(plan.patch, beside, "gain beside the others (%)")}
+    report.say_notes(presses.notes)
+    facts, result = _said_of_touches(made, recordings)
+    shown = "Calibration by touch", facts, gains if report_folder else {}, presses.notes
+    _finish(made, result, shown, output, report_folder, as_json)
+
+
+class _Presses(NamedTuple):
+    """Readings (T, L) above the rest of their recording, and notes.
+
+    Of the first recording its stamps, ns, its rest (L,), and the calibration of counts, if any.
+    """
+
+    readings: Floats
+    notes: tuple[str, ...]
+    stamps: NDArray[np.int64]
+    rest: Floats
+    calibration: "Calibration | None"
+
+
+def _presses_in(
+    recordings: tuple[str, ...], plan: "JobPlan", layer: "Layer", how: "Conditioning"
+) -> _Presses:
+    """Presses of all recordings, one after the other."""
+    from skinfield.calibrate.touch_presses import between, noise_of_differences
+    from skinfield.elastic import Capacitance
+    from skinfield.files import open_recording
+    from skinfield.files.recordings.matching import readings_for
+    from skinfield.reconstruct.diagnostics import condition
+
     found = [readings_for(open_recording(each, log=plan.log), plan.patch) for each in recordings]
     every = [condition(each, plan.patch, layer, Capacitance(), how) for each in found]
     readings, each = np.concatenate([values for values, _ in every]), how.noise_std
@@ -340,25 +378,8 @@ def touch(
     rests = [between(values, noise) for values, _ in every]
     readings -= np.repeat(rests, [len(values) for values, _ in every], axis=0)
     notes = tuple(dict.fromkeys(note for _, survey in every for note in survey.notes))
-    forces = None
-    if known is not None:
-        forces = np.full(len(readings), np.nan)
-        forces[: len(found[0])][_part_of(found[0].stamp_ns, at)] = known
-    with report.progress("fitting presses and skin"):
-        made = fit(
-            plan.patch, readings, noise_std=how.noise_std, layer=layer, known_force=forces,
-            place_std=PLACE_STD,
-        )  # fmt: skip
-    counted = every[0][1].conditioner.calibration
-    if counted is not None:
-        rest = np.where(counted.alive, rests[0] * counted.gain, 0.0)
-        made = made.with_counts(replace(counted, baseline=counted.baseline + rest))
-    beside = 100.0 * (made.gain - 1.0)
-    gains = {"Gain of each taxel": draw_gains(plan.patch, beside, "gain beside the others (%)")}
-    report.say_notes(notes)
-    facts, result = _said_of_touches(made, recordings)
-    shown = "Calibration by touch", facts, gains if report_folder else {}, notes
-    _finish(made, result, shown, output, report_folder, as_json)
+    calibration = every[0][1].conditioner.calibration
+    return _Presses(readings, notes, found[0].stamp_ns, rests[0], calibration)
 
 
 def _said_of_touches(
@@ -388,12 +409,12 @@ def check(
     *,
     layout: Annotated[str | None, options.LayoutText] = None,
     patch: options.PatchName = None,
-    time: str | None = None,
-    columns: str | None = None,
+    time: TimeColumn = None,
+    columns: TaxelColumns = None,
     labels: str | None = None,
     unit: str | None = None,
     offset: str | None = None,
-    report_folder: Annotated[str | None, Parameter(name="--report")] = None,
+    report_folder: ReportFolder = None,
     force: options.Force = False,
     as_json: options.Json = False,
 ) -> None:
@@ -415,18 +436,12 @@ def check(
         Forces or pressures of that recording.
     layout : str, optional
         Layout file, or a generator by name, where columns are found by it.
-    time : str, optional
-        Column of the times of RECORDING, where it is a plain table.
-    columns : str, optional
-        Columns of the taxels of RECORDING, such as 3-282, where it is a plain table.
     labels : str, optional
         Columns of the labels. Default all but the times.
     unit : str, optional
         Of the labels. Default as columns are named, else N or Pa.
     offset : str, optional
         What their sensor reads without load, in their unit, to be taken off.
-    report_folder : str, optional
-        DIR for a page with a figure and a verdict.
     """
     from skinfield.calibrate import ForceCalibration, PressureCalibration, load_calibration
     from skinfield.cli.calibration_inputs import forces_of, label_series, together
@@ -448,15 +463,15 @@ def check(
         verdict, result = sum_up(values if of is None else of(values), name, relative)
     else:
         label = label_series(labels_file, labels, unit, name, offset, log)
-        counts, wanted, notes = together(skin, label)
+        values, wanted, notes = together(skin, label)
         if isinstance(made, PressureCalibration):
-            verdict, result, figures = try_pressure(made, counts, wanted[:, 0], recording)
+            verdict, result, figures = try_pressure(made, values, wanted[:, 0], recording)
+        elif isinstance(made, ForceCalibration):
+            wanted = forces_of(labels_file, wanted)
+            verdict, result, figures = try_force(made, values, wanted, recording)
         else:
-            forces = forces_of(labels_file, wanted)
-            if isinstance(made, ForceCalibration):
-                verdict, result, figures = try_force(made, counts, forces, recording)
-            else:
-                verdict, result, figures = try_contacts(counts[:, 0], forces, relative, recording)
+            wanted = forces_of(labels_file, wanted)
+            verdict, result, figures = try_contacts(values[:, 0], wanted, relative, recording)
     result["verdict"] = verdict
     page = None
     if report_folder:

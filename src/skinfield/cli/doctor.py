@@ -38,8 +38,8 @@ REAL_TIME = (
 PATIENCE = 30.0  # s for the process that asks for real time
 
 
-class Finding(NamedTuple):
-    """A row of the table: what was looked at, how it is, what there is, and the remedy, if any."""
+class Row(NamedTuple):
+    """What was looked at, how it is, what there is, and the remedy, if any."""
 
     what: str
     state: State
@@ -64,7 +64,7 @@ def doctor(*, as_json: options.Json = False) -> int:
     return 0 if works else 1
 
 
-def _table(findings: list[Finding]) -> Table:
+def _table(findings: list[Row]) -> Table:
     made = report.table(None, ("", "", "found", "remedy"), ())
     for each in findings:
         colour = COLOURS[each.state]
@@ -79,16 +79,14 @@ def _plain(text: str) -> str:
     return text.replace("[", r"\[")
 
 
-def python() -> Iterator[Finding]:
+def python() -> Iterator[Row]:
     """The interpreter, and this package."""
     place = f"{platform.python_version()}, {sys.executable}"
-    yield Finding("Python", "OK", place)
-    yield Finding(
-        "skinfield", "OK", f"{metadata.version('skinfield')}, {Path(__file__).parents[1]}"
-    )
+    yield Row("Python", "OK", place)
+    yield Row("skinfield", "OK", f"{metadata.version('skinfield')}, {Path(__file__).parents[1]}")
 
 
-def packages() -> Iterator[Finding]:
+def packages() -> Iterator[Row]:
     """What skinfield needs always, and its extras."""
     extras: dict[str, list[str]] = {}
     for text in metadata.requires("skinfield") or ():
@@ -102,19 +100,19 @@ def packages() -> Iterator[Finding]:
     for extra, lacking in extras.items():
         remedy = f'python -m pip install "skinfield[{extra}]"' if lacking else ""
         found = f"without {', '.join(lacking)}" if lacking else "installed"
-        yield Finding(f"extra {extra}", "note" if lacking else "OK", found, remedy)
+        yield Row(f"extra {extra}", "note" if lacking else "OK", found, remedy)
 
 
-def _package(name: str, wanted: str, version: str) -> Finding:
+def _package(name: str, wanted: str, version: str) -> Row:
     remedy = f'python -m pip install "{name}{wanted}"'
     if not version:
-        return Finding(name, "missing", f"not installed, expected {wanted}", remedy)
+        return Row(name, "missing", f"not installed, expected {wanted}", remedy)
     if name in LOADED:
         try:
             importlib.import_module(name)
         except Exception as error:  # whatever a broken installation raises
-            return Finding(name, "missing", UNLOADED.format(error), remedy)
-    return Finding(name, "OK", version)
+            return Row(name, "missing", UNLOADED.format(error), remedy)
+    return Row(name, "OK", version)
 
 
 def _version(name: str) -> str:
@@ -123,7 +121,7 @@ def _version(name: str) -> str:
     return ""
 
 
-def machine() -> Iterator[Finding]:
+def machine() -> Iterator[Row]:
     """Processors and memory."""
     from skinfield.loop.realtime.system import values_of
 
@@ -134,10 +132,10 @@ def machine() -> Iterator[Finding]:
     memory = values_of("/proc/meminfo").get("MemAvailable", "").removesuffix(" kB")
     free = f", {int(memory) * 1024 / GIGA:.1f} GB of memory free" if memory.isdecimal() else ""
     cores = f"{allowed} core{'' if few else 's'}"
-    yield Finding("processor", "note" if few else "OK", f"{model}, {cores}{free}", remedy)
+    yield Row("processor", "note" if few else "OK", f"{model}, {cores}{free}", remedy)
 
 
-def compiled_code() -> Iterator[Finding]:
+def compiled_code() -> Iterator[Row]:
     """Where compiled code is kept, and how much of it is there."""
     import warnings
 
@@ -151,15 +149,15 @@ def compiled_code() -> Iterator[Finding]:
     size = sum(each.stat().st_size for each in folder.rglob("*") if each.is_file())
     where = f"{folder}, {size / MEGA:.0f} MB"
     if run.seconds_left < 1.0:
-        yield Finding("compiled code", "OK", f"{where}: all that a run needs")
+        yield Row("compiled code", "OK", f"{where}: all that a run needs")
     else:
         text = f"{where}: a first run compiles for some {run.seconds_left:.0f} s"
-        yield Finding("compiled code", "note", text, "skinfield warmup")
+        yield Row("compiled code", "note", text, "skinfield warmup")
     for each in said:
-        yield Finding("compiled code", "note", str(each.message))
+        yield Row("compiled code", "note", str(each.message))
 
 
-def real_time() -> Iterator[Finding]:
+def real_time() -> Iterator[Row]:
     """What the system grants to a process that must wake on time: one is started, and asks."""
     from skinfield.loop.realtime import RealTimeStatus
 
@@ -173,17 +171,17 @@ def real_time() -> Iterator[Finding]:
     )
     if done.returncode:
         last = (done.stderr.strip() or "it said nothing").splitlines()[-1]
-        yield Finding("real time", "note", f"cannot be asked for: {last}")
+        yield Row("real time", "note", f"cannot be asked for: {last}")
         return
     status = RealTimeStatus.from_dict(json.loads(done.stdout))
     granted, *_ = status.sentences()
-    yield Finding("real time", "note" if status.refused else "OK", granted)
+    yield Row("real time", "note" if status.refused else "OK", granted)
     for text in status.refused:
         found, _, remedy = text.partition(": ")
-        yield Finding("real time", "note", found, remedy)
+        yield Row("real time", "note", found, remedy)
 
 
-def shared_memory() -> Iterator[Finding]:
+def shared_memory() -> Iterator[Row]:
     """Where rings lie, by which processes share estimates."""
     from skinfield.ring.files import folder_of
 
@@ -193,49 +191,47 @@ def shared_memory() -> Iterator[Finding]:
         free = shutil.disk_usage(folder).free
     except OSError as error:
         remedy = f"give this user the right to write to {folder}"
-        yield Finding("shared memory", "missing", f"{folder} cannot be written to: {error}", remedy)
+        yield Row("shared memory", "missing", f"{folder} cannot be written to: {error}", remedy)
         return
     few = free < LEAST_SHARED
     remedy = f"expected {LEAST_SHARED / MEGA:.0f} MB: docker run --shm-size=256m" if few else ""
     found = f"{folder}, {free / MEGA:.0f} MB free"
-    yield Finding("shared memory", "missing" if few else "OK", found, remedy)
+    yield Row("shared memory", "missing" if few else "OK", found, remedy)
 
 
-def page() -> Iterator[Finding]:
+def page() -> Iterator[Row]:
     """A port for the page, and a browser."""
     from skinfield.page.settings import PORT
 
     try:
         socket.create_server(("127.0.0.1", PORT)).close()
-        yield Finding("page", "OK", f"port {PORT} is free")
+        yield Row("page", "OK", f"port {PORT} is free")
     except OSError:
         another = "run takes another one; or give it --port"
-        yield Finding("page", "note", f"port {PORT} is in use", another)
+        yield Row("page", "note", f"port {PORT} is in use", another)
     try:
         with socket.socket(type=socket.SOCK_DGRAM) as datagrams:
             datagrams.bind(("127.0.0.1", 0))
     except OSError as error:
-        yield Finding(
-            "network", "missing", f"127.0.0.1 cannot be used: {error}", "ip link set lo up"
-        )
+        yield Row("network", "missing", f"127.0.0.1 cannot be used: {error}", "ip link set lo up")
     if not report.has_screen():
         by_hand = "open the page's address by hand; from elsewhere: ssh -L 8700:localhost:8700"
-        yield Finding("browser", "note", "no screen here", by_hand)
+        yield Row("browser", "note", "no screen here", by_hand)
         return
     try:
         webbrowser.get()
-        yield Finding("browser", "OK", "found")
+        yield Row("browser", "OK", "found")
     except webbrowser.Error:
-        yield Finding("browser", "note", "none found", "open the page's address by hand")
+        yield Row("browser", "note", "none found", "open the page's address by hand")
 
 
-def hardware() -> Iterator[Finding]:
+def hardware() -> Iterator[Row]:
     """Serial ports and CAN interfaces that can be seen."""
     ports = sorted(each for name in SERIAL for each in Path("/dev").glob(name))
     closed = [each for each in ports if not os.access(each, os.R_OK | os.W_OK)]
     remedy = "sudo usermod -a -G dialout $USER, then log in anew" if closed else ""
     found = ", ".join(map(str, ports)) or "none is plugged in"
-    yield Finding("serial ports", "note" if closed or not ports else "OK", found, remedy)
+    yield Row("serial ports", "note" if closed or not ports else "OK", found, remedy)
     names = []
     for each in sorted(Path("/sys/class/net").glob("*")):
         with suppress(OSError):
@@ -244,41 +240,39 @@ def hardware() -> Iterator[Finding]:
     down = [name for name, state in names if state == "down"]
     remedy = f"sudo ip link set {down[0]} up type can bitrate 1000000" if down else ""
     found = ", ".join(f"{name} ({state})" for name, state in names) or "no interface"
-    yield Finding("CAN", "note" if down or not names else "OK", found, remedy)
+    yield Row("CAN", "note" if down or not names else "OK", found, remedy)
 
 
-def bridges() -> Iterator[Finding]:
+def bridges() -> Iterator[Row]:
     """Other software that estimates can be sent to."""
     there = importlib.util.find_spec("rclpy") is not None
     distribution = os.environ.get("ROS_DISTRO", "")
     remedy = "" if there else "source /opt/ros/DISTRO/setup.bash, for run --ros2"
     found = f"rclpy of {distribution or 'an unnamed distribution'}" if there else "no rclpy"
-    yield Finding("ROS 2", "OK" if there else "note", found, remedy)
+    yield Row("ROS 2", "OK" if there else "note", found, remedy)
     yarp = shutil.which("yarp")
-    yield Finding("YARP", "OK", yarp or "no yarp here; its name server may be on another machine")
+    yield Row("YARP", "OK", yarp or "no yarp here; its name server may be on another machine")
 
 
-def disk() -> Iterator[Finding]:
+def disk() -> Iterator[Row]:
     """Where recordings and pictures go."""
     folder = Path.cwd()
     free = shutil.disk_usage(folder).free
     found = f"{folder}, {free / GIGA:.1f} GB free"
     if not os.access(folder, os.W_OK):
-        yield Finding(
-            "folder", "note", f"{folder} cannot be written to", "cd to another, or give -o"
-        )
+        yield Row("folder", "note", f"{folder} cannot be written to", "cd to another, or give -o")
     elif free < LEAST_DISK:
-        yield Finding(
+        yield Row(
             "folder",
             "note",
             found,
             "recordings need room: docs/reference/recording-file.md says how much",
         )
     else:
-        yield Finding("folder", "OK", found)
+        yield Row("folder", "OK", found)
 
 
-CHECKS: tuple[Callable[[], Iterator[Finding]], ...] = (
+CHECKS: tuple[Callable[[], Iterator[Row]], ...] = (
     python, packages, machine, compiled_code, real_time, shared_memory, page, hardware, bridges,
     disk,
 )  # fmt: skip

@@ -114,19 +114,10 @@ def reconstruct(
         odd = [flag for name, flag in flags if name not in OPTIONS]
         if odd:
             _refuse(odd, f"{recording[0]} holds contacts that another program found; expected none")
-        if len(recording) > 1 or folder is not None:
-            raise InputError(
-                "logs of contact lists are followed one by one, expected one log and "
-                "-o contacts.csv or .parquet"
-            )
+        _check_alone(recording, folder)
         follow_contacts(recording[0], (layout, patch), output, summary, force, as_json)
         return
-    are_results = any(map(_is_results, recording))
-    if are_results and (folder is not None or len(recording) > 1):
-        raise InputError(
-            f"{ENDING} folders are results already, expected recordings for {folder}, or one "
-            "folder of results"
-        )
+    are_results = _are_results(recording, folder)
     if layout is None and recording[0].lower().endswith(options.LIVE):
         layout = recording[0]
     if layout is None and not are_results:
@@ -172,6 +163,25 @@ def _folder_of(recordings: tuple[str, ...], outputs: tuple[str, ...]) -> Path | 
             "gets results of each; or one recording"
         )
     return Path(folders[0]) if folders else None
+
+
+def _check_alone(recordings: tuple[str, ...], folder: Path | None) -> None:
+    if len(recordings) > 1 or folder is not None:
+        raise InputError(
+            "logs of contact lists are followed one by one, expected one log and "
+            "-o contacts.csv or .parquet"
+        )
+
+
+def _are_results(recordings: tuple[str, ...], folder: Path | None) -> bool:
+    """Whether it is a folder of results; raises InputError of one beside anything else."""
+    are = any(map(_is_results, recordings))
+    if are and (folder is not None or len(recordings) > 1):
+        raise InputError(
+            f"{ENDING} folders are results already, expected recordings for {folder}, or one "
+            "folder of results"
+        )
+    return are
 
 
 def _is_results(recording: str) -> bool:
@@ -225,11 +235,7 @@ def _reconstruct_one(
             folder.mkdir()
             tables.append(files.enter_context(open_contacts(folder / f"{0:012d}.parquet")))
         report.say_notes(results.notes)
-        readings = _readings_of(slice_, len(results))
-        if reading is not None and reading not in readings:
-            raise InputError(
-                f"--reading is {reading}, expected {readings.start} to {readings.stop - 1}"
-            )
+        readings = _readings_of(slice_, len(results), reading)
         if reading is not None and not (tables or fields or summary):
             readings = range(reading, reading + 1)
         with report.progress("reconstructing", len(readings)) as step:
@@ -252,17 +258,19 @@ def _reconstruct_one(
     report.finish(as_json, plain, names, _lines(plain, best, when))
 
 
-def _readings_of(text: str | None, count: int) -> range:
-    """Readings that `--slice` names."""
-    if text is None:
-        return range(count)
-    try:
-        low, high = (int(word) if word.strip() else None for word in text.split(":"))
-    except ValueError:
-        raise InputError(f"--slice is {text!r}, expected two numbers such as 100:200") from None
-    found = range(count)[slice(low, high)]
-    if not found:
-        raise InputError(f"--slice is {text!r}, expected readings of 0:{count}")
+def _readings_of(text: str | None, count: int, shown: int | None) -> range:
+    """Readings that `--slice` names, that of `--reading` among them."""
+    found = range(count)
+    if text is not None:
+        try:
+            low, high = (int(word) if word.strip() else None for word in text.split(":"))
+        except ValueError:
+            raise InputError(f"--slice is {text!r}, expected two numbers such as 100:200") from None
+        found = found[slice(low, high)]
+        if not found:
+            raise InputError(f"--slice is {text!r}, expected readings of 0:{count}")
+    if shown is not None and shown not in found:
+        raise InputError(f"--reading is {shown}, expected {found.start} to {found.stop - 1}")
     return found
 
 

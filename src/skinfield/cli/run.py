@@ -352,30 +352,14 @@ def start_all(
     """
     loading = parts.enter_context(loading_engine())
     from skinfield.bridges.launch import bridges
-    from skinfield.cli.sources import skin_for, source_from_options
     from skinfield.loop import State
     from skinfield.loop.client import Live
     from skinfield.loop.supervisor import Supervisor
     from skinfield.record.launch import recorder
 
-    skin, source, virtual = options.skin_from_text(wanted.skin.layout), wanted.source, None
+    source, virtual = wanted.source, None
     with console.status(STARTING):
-        profile = options.profile_in_use(wanted.skin, source.hardware, wanted.skin.layout)
-        answers, assumed = calibrated(wanted)
-        # without secrets; a virtual skin is started anew
-        tree = changed(replace(wanted, page=PageSettings(), record=RecordSettings()))
-        skin = skin_for(source.hardware or "", skin)
-
-        def settings_of(source: SourceSettings) -> Any:
-            extra = source.named_options
-            if wanted.skin.no_load is not None:  # the boards are sent it as well
-                extra.setdefault("no_load", str(wanted.skin.no_load))
-            hardware, bus = source.hardware or "icub", source.bus or ""
-            stream = source_from_options(hardware, bus, source.channel, skin, extra)
-            its = replace(answers, source=source)
-            live = live_settings(its, profile, skin, stream, assumed)
-            return replace(live, tree=tree)
-
+        profile, settings_of = settings_by_source(wanted)
         settings = settings_of(source)  # refuses what it must before anything starts
         if source.hardware is None:
             virtual = parts.enter_context(virtual_skin(wanted, profile))
@@ -399,6 +383,32 @@ def start_all(
 
     scene = None if virtual is None else source.scene
     return Running(supervisor, live, page, scene, check)
+
+
+def settings_by_source(
+    wanted: Settings,
+) -> tuple[SkinProfile, Callable[[SourceSettings], Any]]:
+    """The profile in use, and what makes the settings of an engine for a source."""
+    from skinfield.cli.sources import skin_for, source_from_options
+
+    hardware, layout = wanted.source.hardware, wanted.skin.layout
+    skin = options.skin_from_text(layout)
+    profile = options.profile_in_use(wanted.skin, hardware, layout)
+    answers, assumed = calibrated(wanted)
+    skin = skin_for(hardware or "", skin)
+    # without secrets; a virtual skin is started anew
+    tree = changed(replace(wanted, page=PageSettings(), record=RecordSettings()))
+
+    def settings_of(source: SourceSettings) -> Any:
+        extra = source.named_options
+        if wanted.skin.no_load is not None:  # the boards are sent it as well
+            extra.setdefault("no_load", str(wanted.skin.no_load))
+        hardware, bus = source.hardware or "icub", source.bus or ""
+        stream = source_from_options(hardware, bus, source.channel, skin, extra)
+        live = live_settings(replace(answers, source=source), profile, skin, stream, assumed)
+        return replace(live, tree=tree)
+
+    return profile, settings_of
 
 
 class Running(NamedTuple):

@@ -142,8 +142,8 @@ class Channels:
             )
         return applied
 
-    def apply_good(self, blocks: Blocks, start: int = 0) -> int:
-        """Take in the blocks from word `start` up to the first that is none; drop it and the rest.
+    def apply_good(self, blocks: Blocks) -> int:
+        """Take in the blocks up to the first that is none; drop it and the rest.
 
         For the loop, where a faulty driver must not end the cycle.
 
@@ -152,7 +152,7 @@ class Channels:
         int
             Words that were dropped.
         """
-        applied = self._applied(blocks, start)
+        applied = self._applied(blocks, 0)
         if applied >= 0:
             return 0
         dropped = int(blocks.end[0]) - (-applied - 1)

@@ -103,7 +103,7 @@ class Verdict(IntEnum):
     LEFT_OUT = 9
 
 
-class Finding(NamedTuple):
+class TaxelFault(NamedTuple):
     """Fault of taxels (K,), how sure it is, what shows it, of all or of each, and since when."""
 
     kind: Verdict
@@ -280,7 +280,7 @@ class Evidence:
 # ---- faults, each with what shows it
 
 
-def constant_taxels(seen: Evidence) -> list[Finding]:
+def constant_taxels(seen: Evidence) -> list[TaxelFault]:
     """Taxels that repeat one value: dead near their rest, stuck far from it, or saturated."""
     found = []
     constant = ~seen.varies & ~seen.absent
@@ -305,11 +305,11 @@ def constant_taxels(seen: Evidence) -> list[Finding]:
             why += f"; most rest at {seen.rest:g}" if far[taxel] else ""
         else:
             continue
-        found.append(Finding(kind, np.array([taxel]), p, why))
+        found.append(TaxelFault(kind, np.array([taxel]), p, why))
     return found
 
 
-def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[Finding]:
+def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[TaxelFault]:
     """Boards of which all taxels repeat their values, since a reading, while those of others vary.
 
     Parameters
@@ -320,7 +320,7 @@ def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[Finding]:
     since : (L,) int array
         From when on.
     """
-    found: list[Finding] = []
+    found: list[TaxelFault] = []
     if seen.patch is None:
         return found
     boards = np.unique(seen.patch.module)
@@ -343,11 +343,11 @@ def frozen_boards(seen: Evidence, broken: Bools, since: Ints) -> list[Finding]:
         at = f" at {values[0]:g}" if len(values) == 1 else ""
         why = f"frozen{at} {when}, with all {len(rows)} taxels of board {board}"
         why = f"{why}: board not seen, check wiring"
-        found.append(Finding(Verdict.FROZEN, rows, p, why, first))
+        found.append(TaxelFault(Verdict.FROZEN, rows, p, why, first))
     return found
 
 
-def stopped_taxels(seen: Evidence) -> list[Finding]:
+def stopped_taxels(seen: Evidence) -> list[TaxelFault]:
     """Taxels whose final run of one value their own past makes incredible.
 
     The others must go on meanwhile. Healthy ones of a board that clips at rest hold that value.
@@ -368,7 +368,7 @@ def stopped_taxels(seen: Evidence) -> list[Finding]:
         if seen.changes[first:].any(axis=0).mean() > 0.5 and _stopped(seen, taxel, first):
             why = f"repeats {now[taxel]:g} to the end, while the others go on"
             p = probability(BROKEN**2)
-            found.append(Finding(Verdict.STUCK, np.array([taxel]), p, why, first))
+            found.append(TaxelFault(Verdict.STUCK, np.array([taxel]), p, why, first))
     return found
 
 
@@ -400,7 +400,7 @@ def _final_run(counts: Floats) -> NDArray[np.int64]:
     return np.asarray(run, dtype=np.int64)
 
 
-def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
+def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[TaxelFault]:
     """Taxels far noisier than theirs, or than any of a skin whose taxels differ as they do.
 
     Where none is touched, as far as that is known: what wavers with its neighbours is no noise.
@@ -427,7 +427,7 @@ def too_noisy(seen: Evidence, calibration: Calibration | None) -> list[Finding]:
             p = probability(float(norm.sf((np.log(own) - middle[taxel]) / spread)))
             times = own / np.exp(middle[taxel])
             why = f"noise of {noise[taxel]:.3g} counts, {times:.0f} times {than}"
-            found.append(Finding(Verdict.NOISY, np.array([taxel]), p, why))
+            found.append(TaxelFault(Verdict.NOISY, np.array([taxel]), p, why))
     return found
 
 
@@ -463,7 +463,7 @@ def _standing_load(seen: Evidence, counts: Floats) -> Floats:
     return load
 
 
-def unresponsive_taxels(seen: Evidence) -> list[Finding]:
+def unresponsive_taxels(seen: Evidence) -> list[TaxelFault]:
     """Taxels that no touch around them moves: dead, stuck far from rest, or led by warmth."""
     found = []
     touches = seen.touches
@@ -481,7 +481,7 @@ def unresponsive_taxels(seen: Evidence) -> list[Finding]:
         elif far[taxel]:
             at = f"holds {seen.value[taxel]:g}, most rest at {seen.rest:g}"
             kind, why = Verdict.STUCK, f"{at}; {why}"
-        found.append(Finding(kind, np.array([taxel]), probability(touches.chance(taxel)), why))
+        found.append(TaxelFault(kind, np.array([taxel]), probability(touches.chance(taxel)), why))
     return found
 
 

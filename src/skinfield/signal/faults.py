@@ -10,7 +10,7 @@ from skinfield.errors import Floats, InputError, check_type
 from skinfield.signal import fault_evidence as evidence
 from skinfield.signal.boards import Bools, Convention
 from skinfield.signal.calibration import Calibration
-from skinfield.signal.fault_evidence import CERTAIN, Evidence, Finding, Verdict
+from skinfield.signal.fault_evidence import CERTAIN, Evidence, TaxelFault, Verdict
 from skinfield.signal.stationary import recorded
 from skinfield.signal.swapped import swapped_taxels
 from skinfield.skin import Patch
@@ -206,7 +206,7 @@ class _Record:
         self.evidence = [""] * taxels
         self.since = np.full(taxels, -1, np.int64)
 
-    def put(self, found: Iterable[Finding], free: bool = False) -> None:
+    def put(self, found: Iterable[TaxelFault], free: bool = False) -> None:
         """Take in what is certain enough."""
         for each in found:
             if each.probability < CERTAIN:
@@ -241,10 +241,10 @@ def _judged(seen: Evidence, calibration: Calibration | None, record: _Record) ->
         often = seen.convention.saturated(counts).mean(axis=0)
         for taxel in np.flatnonzero((often > SATURATED_SHARE) & seen.varies):
             why = f"at a clamp in {often[taxel]:.0%} of {len(counts)} readings"
-            record.put([Finding(Verdict.SATURATED, np.array([taxel]), 1.0, why)])
+            record.put([TaxelFault(Verdict.SATURATED, np.array([taxel]), 1.0, why)])
     none = np.flatnonzero(seen.absent)
     why = f"no answer in {len(counts)} readings: not connected, or of another port"
-    record.put([Finding(Verdict.ABSENT, none, 1.0, why)])
+    record.put([TaxelFault(Verdict.ABSENT, none, 1.0, why)])
     return answers
 
 

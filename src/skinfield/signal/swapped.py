@@ -15,7 +15,7 @@ from skinfield.signal.fault_evidence import (
     LEAST_BOARD,
     RARE,
     Evidence,
-    Finding,
+    TaxelFault,
     Verdict,
     probability,
 )
@@ -33,7 +33,7 @@ LIKE = 0.999  # correlation of two that read alike
 MOST_DOUBTFUL = 8  # boards, those that read least as what lies around them
 
 
-def swapped_taxels(seen: Evidence) -> list[Finding]:
+def swapped_taxels(seen: Evidence) -> list[TaxelFault]:
     """Pairs of boards, and of taxels, that answer to touches at each other's places."""
     touches = seen.touches
     touched = np.flatnonzero(touches.felt)
@@ -44,12 +44,12 @@ def swapped_taxels(seen: Evidence) -> list[Finding]:
     return boards + _swapped_pairs(links, height, touched)
 
 
-def _swap(height: Floats, rows: Ints, what: str, names: Ints, p: float) -> list[Finding]:
+def _swap(height: Floats, rows: Ints, what: str, names: Ints, p: float) -> list[TaxelFault]:
     """Put right heights of (2, N) rows that are swapped, and say of both what they are."""
     height[:] = _mended(height, rows)
     why = "answers to touches on {} {}, and not on its own place: the two are swapped"
     return [
-        Finding(Verdict.SWAPPED, each, p, why.format(what, name))
+        TaxelFault(Verdict.SWAPPED, each, p, why.format(what, name))
         for each, name in zip(rows, names[::-1], strict=True)
     ]
 
@@ -77,7 +77,7 @@ def _mean_outside(links: "Links", height: Floats, rows: Ints) -> Floats:
 # ---- taxels
 
 
-def _swapped_pairs(links: "Links", height: Floats, touched: Ints) -> list[Finding]:
+def _swapped_pairs(links: "Links", height: Floats, touched: Ints) -> list[TaxelFault]:
     """Pairs of taxels, as sure as their fit is far from that of all pairs."""
     from scipy.stats import t
 
@@ -90,7 +90,7 @@ def _swapped_pairs(links: "Links", height: Floats, touched: Ints) -> list[Findin
     chance = t.cdf((np.nan_to_num(fits, nan=middle) - middle) / spread, FREEDOM)
     likely = (chance <= RARE) & (fits < -LEAST_CROSSED * middle)
     pairs = touched[np.argwhere(np.triu(likely))]
-    found: list[Finding] = []
+    found: list[TaxelFault] = []
     for pair in sorted(pairs, key=lambda pair: _crossing(links, height, pair)):
         fit = _crossing(links, height, pair)  # now that those before it are put right
         p = probability(float(t.cdf((fit - middle) / spread, FREEDOM)))
@@ -130,13 +130,13 @@ def _crossing(links: "Links", height: Floats, pair: Ints) -> float:
 
 def _swapped_boards(
     module: Ints, links: "Links", height: Floats, touches: TouchResponse
-) -> list[Finding]:
+) -> list[TaxelFault]:
     """Pairs of boards whose exchange makes all fit best to what lies around them, one by one."""
     boards = {int(name): np.flatnonzero(module == name) for name in np.unique(module)}
     ends = links.tocoo()
     outside = links.copy()
     outside.data = outside.data * (module[ends.row] != module[ends.col])
-    found: list[Finding] = []
+    found: list[TaxelFault] = []
     while len(boards) > 2:
         fits = {name: _fit(outside[rows], height, rows) for name, rows in boards.items()}
         doubtful = sorted((name for name in fits if fits[name] != 0.0), key=fits.__getitem__)

@@ -210,12 +210,6 @@ def imposed(settings: Effort) -> Chapter:
         return [each for each in findings if wanted.items() <= each.row.items()]
 
     wide, apart = of(ADJACENT), of(SEPARATE)
-    widths, true = (
-        [each.row[name] for each in wide] for name in ("width of pressure (mm)", "true")
-    )
-    blur = [width / least for width, least in zip(widths, true, strict=True)]
-    contacts = [(each.row["contacts"], each.row["discs with a contact"]) for each in apart]
-    distinct = [pair == (3, 3) for pair in contacts]
     measured = {case: _peaks(of(case)) for case in (ADJACENT, SEPARATE)}
     caption = (
         "Widths are full widths at half maximum; the true ones are of the truth brought onto the "
@@ -236,28 +230,40 @@ def imposed(settings: Effort) -> Chapter:
             for name in ("deformation", "pressure")
         ),
         tables=(Table("layer", caption, [each.row for each in findings]),),
-        verdicts=(
-            Claim(
-                "4", "the peak of the deformation is around 0.2 mm", measured[ADJACENT],
-                _holds(wide),
-            ),
-            Claim(
-                "4",
-                "the force is smoothed, the more the denser the grid",
-                f"width {_tenths(widths)} mm where the same nodes can show {_tenths(true)} mm: "
-                f"{_tenths(blur)} times",
-                verdict_of(min(blur) > 1 and blur[-1] > blur[0]),
-            ),
-            Claim("5", "the three peaks are around 0.2 mm", measured[SEPARATE], _holds(apart)),
-            Claim(
-                "5",
-                "three contacts stay distinct",
-                f"{listed([str(count) for count, _ in contacts])} contacts found on "
-                f"{listed([str(n) for n in GRIDS])} nodes a side",
-                verdict_of(all(distinct), any(distinct)),
-            ),
+        verdicts=_verdicts(wide, apart, measured),
+    )
+
+
+def _verdicts(
+    wide: list[Rebuilt], apart: list[Rebuilt], measured: dict[str, str]
+) -> tuple[Claim, ...]:
+    """What the paper says of taxels side by side, and apart, held against the findings."""
+    widths, true = (
+        [each.row[name] for each in wide] for name in ("width of pressure (mm)", "true")
+    )
+    blur = [width / least for width, least in zip(widths, true, strict=True)]
+    contacts = [(each.row["contacts"], each.row["discs with a contact"]) for each in apart]
+    distinct = [pair == (3, 3) for pair in contacts]
+    return (
+        Claim(
+            "4", "the peak of the deformation is around 0.2 mm", measured[ADJACENT], _holds(wide)
         ),
-    )  # fmt: skip
+        Claim(
+            "4",
+            "the force is smoothed, the more the denser the grid",
+            f"width {_tenths(widths)} mm where the same nodes can show {_tenths(true)} mm: "
+            f"{_tenths(blur)} times",
+            verdict_of(min(blur) > 1 and blur[-1] > blur[0]),
+        ),
+        Claim("5", "the three peaks are around 0.2 mm", measured[SEPARATE], _holds(apart)),
+        Claim(
+            "5",
+            "three contacts stay distinct",
+            f"{listed([str(count) for count, _ in contacts])} contacts found on "
+            f"{listed([str(n) for n in GRIDS])} nodes a side",
+            verdict_of(all(distinct), any(distinct)),
+        ),
+    )
 
 
 def _peaks(findings: list[Rebuilt]) -> str:
