@@ -17,6 +17,7 @@ const AROUND = 32; // segments of a ring
 const THIN = 24; // of the ellipse where a contact may be
 const EDGE = 24; // segments of a side of the focus window
 const DASHES = 14;
+const UNKNOWN = 0.3; // of the skin's size, from which on an ellipse says nothing of a place
 const EDGE_PX = 6; // from the picture's border, within which no arrow begins
 
 const colour = (text) => new THREE.Color(text);
@@ -246,7 +247,7 @@ export class Marks {
   /** The ellipse that holds the place of a contact nine times in ten. */
   #uncertainty({ patch, x, y, place_cov }) {
     const ellipse = place_cov && placeEllipse(place_cov);
-    if (!ellipse || !(ellipse.a > 0) || ellipse.a > this.size) return;
+    if (!ellipse || !(ellipse.a > 0) || ellipse.a > UNKNOWN * this.size) return;
     const { a, b, angle } = ellipse;
     const [c, s] = [Math.cos(angle), Math.sin(angle)];
     const look = { width: 1.2, opacity: 0.85, rest: true };
