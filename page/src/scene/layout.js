@@ -7,6 +7,7 @@ const GAP = 4;
 
 /** Px between a label and what it names: beside it, or further off at the end of a leader line. */
 const AWAY = [11, 26, 44, 66, 92, 124, 160];
+const [ROWS, COLUMNS] = [14, 8]; // of places all over the picture
 const TURNS = 16; // directions around what is named
 /** Off the level, beside what is named: an arrow comes from below. */
 const RAISED = Math.PI / TURNS;
@@ -31,7 +32,7 @@ const STAY = 30;
  * @property {number} [taken] the place it had before, set here
  * @property {number} x left edge, set here
  * @property {number} y top edge, set here
- * @property {boolean} [hidden] left out, set here
+ * @property {boolean} [hidden] left out, set here: where it would cover another label
  */
 
 /**
@@ -55,7 +56,8 @@ export function placeLabels(labels, kept, width, height) {
     };
     around(label, consider);
     if (!label.spare) beside(label, before, consider);
-    label.hidden = Boolean(label.spare) && best.cost >= COVER_CONTACT / 4;
+    if (!label.spare && best.cost >= COVER_CONTACT / 4) anywhere(label, width, height, consider);
+    label.hidden = best.cost >= (label.spare ? COVER_CONTACT / 4 : COVER_LABEL);
     label.x = best.x;
     label.y = best.y;
     label.taken = best.taken;
@@ -86,6 +88,16 @@ function beside(label, before, consider) {
       consider(x, other.y + other.height + GAP, -2 - 2 * i);
     }
   });
+}
+
+/** Places all over the picture, where there is no room near by. */
+function anywhere(label, width, height, consider) {
+  for (let row = 0; row <= ROWS; row += 1) {
+    for (let column = 0; column <= COLUMNS; column += 1) {
+      const [x, y] = [(column / COLUMNS) * (width - label.width), (row / ROWS) * (height - label.height)];
+      consider(x, y, 1000 + row * (COLUMNS + 1) + column);
+    }
+  }
 }
 
 function bestAngle({ side }) {

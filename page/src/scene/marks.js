@@ -17,6 +17,8 @@ const AROUND = 32; // segments of a ring
 const THIN = 24; // of the ellipse where a contact may be
 const EDGE = 24; // segments of a side of the focus window
 const DASHES = 14;
+const NARROW = 480; // px of a picture in which labels are brief
+const MANY = 5; // contacts, from more of which on they are
 const UNKNOWN = 0.3; // of the skin's size, from which on an ellipse says nothing of a place
 const EDGE_PX = 6; // from the picture's border, within which no arrow begins
 
@@ -45,6 +47,9 @@ export class Marks {
     this.from = { position: [0, 0, 0], normal: [0, 0, 1] };
     this.wanted = [];
     this.kept = [];
+    /** @type {import("./layout.js").Box[]} what stands over the picture, px */
+    this.covered = [];
+    this.brief = false; // labels say the force alone
     this.seen = new THREE.Vector3();
     this.seenColour = new THREE.Color();
     this.tail = new THREE.Vector3();
@@ -79,6 +84,8 @@ export class Marks {
     for (const each of [this.lines, this.arrows, this.above]) each.clear();
     this.wanted.length = 0;
     this.kept.length = 0;
+    this.kept.push(...this.covered);
+    this.brief = view.width < NARROW || this.contacts.length > MANY;
     this.corner.draw(view, this.above, this.wanted, this.patches.ruling, this.patches.setView(view.out()));
     const rows = matched(this.contacts, this.truth);
     for (const press of this.truth) this.#truth(press, view);
@@ -99,17 +106,17 @@ export class Marks {
   #contact({ contact, truth, error_m }, view) {
     const { old } = contact;
     this.#outline(contact, old ? this.tint.old : this.onSkin.contact);
-    if (!old) this.#uncertainty(contact);
+    const reach = old ? 0 : this.#uncertainty(contact);
     const place = this.#rest(contact);
     const tail = this.#arrow(place, contact, old ? this.tint.old : this.tint.contact, false, view);
-    this.#keep(place.position, Math.sqrt((contact.area || 1e-5) / Math.PI), view);
+    this.#keep(place.position, Math.max(reach, Math.sqrt((contact.area || 1e-5) / Math.PI)), view);
     this.#keepArrow(place.position, tail, view);
     const maybe = contact.maybe ? ` · ${orElse(contact.maybe)}?` : "";
     this.#label(`c${contact.key}`, tail, view, {
       title: `${forceWords(contact)} ${this.unit}${maybe}`,
       aside: truth ? `truth ${fixed(truth.force, 2)}` : "",
       second: this.theme.truth,
-      detail: `#${contact.track}  ${old ? (contact.seen ?? "not of now") : this.#where(contact)}${truth && !old ? `, ${fixed(1e3 * error_m)} off` : ""}`,
+      detail: this.brief ? "" : `#${contact.track}  ${old ? (contact.seen ?? "not of now") : this.#where(contact)}${truth && !old ? `, ${fixed(1e3 * error_m)} off` : ""}`,
       accent: old ? this.theme.muted : this.theme.contact,
       side: 1,
     });
@@ -129,7 +136,7 @@ export class Marks {
     const place = this.#rest(press);
     this.#label(`t${press.id}`, this.#tail(place, press, view), view, {
       title: `truth ${fixed(press.force, 2)} N`,
-      detail: `${this.#where(press)}  not found`,
+      detail: this.brief ? "not found" : `${this.#where(press)}  not found`,
       accent: this.theme.truth,
       side: -1,
     });
@@ -244,10 +251,13 @@ export class Marks {
     return tail;
   }
 
-  /** The ellipse that holds the place of a contact nine times in ten. */
+  /**
+   * The ellipse that holds the place of a contact nine times in ten.
+   * @returns {number} how far it reaches, m; 0 where none is drawn
+   */
   #uncertainty({ patch, x, y, place_cov }) {
     const ellipse = place_cov && placeEllipse(place_cov);
-    if (!ellipse || !(ellipse.a > 0) || ellipse.a > UNKNOWN * this.size) return;
+    if (!ellipse || !(ellipse.a > 0) || ellipse.a > UNKNOWN * this.size) return 0;
     const { a, b, angle } = ellipse;
     const [c, s] = [Math.cos(angle), Math.sin(angle)];
     const look = { width: 1.2, opacity: 0.85, rest: true };
@@ -256,6 +266,7 @@ export class Marks {
       out[0] = x + c * u - s * v;
       out[1] = y + s * u + c * v;
     });
+    return Math.max(a, b);
   }
 
   /** A circle on the skin. */
