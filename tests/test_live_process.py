@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -161,10 +161,13 @@ def test_a_source_that_falls_over_is_opened_again(live, running) -> None:
 
 def test_the_engine_comes_back_after_a_kill_on_the_same_ring(live, running, finger) -> None:
     def contact(age: float = 0.0) -> Any:
-        rows = wait_for(
-            lambda: (now := live.latest(timeout=60.0).contacts)["age"].max(initial=-1) > age and now
-        )
-        return rows[rows["age"].argmax()]
+        """The oldest one, once it is older than this, s."""
+
+        def found() -> Any:
+            rows = live.latest(timeout=60.0).contacts
+            return rows[rows["age"].argmax()] if (rows["age"] >= age).any() else None
+
+        return wait_for(found)
 
     finger.touch()
     held, before = contact(0.2), live.latest(timeout=20.0)
