@@ -13,8 +13,10 @@ const TURNS = 16; // directions around what is named
 const RAISED = Math.PI / TURNS;
 
 /** What covering costs, and crossing a leader line, in px of distance. */
-const COVER_LABEL = 4000;
-const COVER_CONTACT = 1200;
+const COVER_LABEL = 20000;
+const COVER_CONTACT = 8000;
+const COVERS = COVER_CONTACT / 4; // from which on anything is covered: no way is as long
+const CROSS_LABEL = 300;
 const CROSS = 150;
 /** A label changes its place only for so much gain: it is not to jump to and fro. */
 const STAY = 30;
@@ -28,7 +30,8 @@ const STAY = 30;
  * @property {number} width px
  * @property {number} height
  * @property {-1|0|1|2} side where it stands best: left of the anchor, above it, right of it, below it
- * @property {boolean} [spare] better left out than covering anything
+ * @property {boolean} [spare] better left out than covering anything, or standing far away
+ * @property {boolean} [brief] better left out than covering anything
  * @property {number} [taken] the place it had before, set here
  * @property {number} x left edge, set here
  * @property {number} y top edge, set here
@@ -56,8 +59,8 @@ export function placeLabels(labels, kept, width, height) {
     };
     around(label, consider);
     if (!label.spare) beside(label, before, consider);
-    if (!label.spare && best.cost >= COVER_CONTACT / 4) anywhere(label, width, height, consider);
-    label.hidden = best.cost >= (label.spare ? COVER_CONTACT / 4 : COVER_LABEL);
+    if (!label.spare && best.cost >= COVERS) anywhere(label, width, height, consider);
+    label.hidden = best.cost >= (label.spare || label.brief ? COVERS : COVER_LABEL);
     label.x = best.x;
     label.y = best.y;
     label.taken = best.taken;
@@ -114,7 +117,7 @@ function costOf(label, before, kept) {
   cost += 14 * Math.acos(Math.cos(angle - bestAngle(label)));
   for (const other of before) {
     if (overlap(label, widened(other))) cost += COVER_LABEL;
-    else if (crosses(anchorX, anchorY, x, y, other)) cost += COVER_CONTACT / 4;
+    else if (crosses(anchorX, anchorY, x, y, other)) cost += CROSS_LABEL;
     const [ox, oy] = leaderEnd(other);
     if (meet(anchorX, anchorY, x, y, other.anchorX, other.anchorY, ox, oy)) cost += CROSS;
   }

@@ -186,7 +186,7 @@ export class Marks {
   #label(key, at, view, label) {
     const [x, y] = this.#pixel(at, view);
     if (Math.abs(this.seen.z) > 1) return;
-    this.wanted.push({ key, ...label, anchorX: x, anchorY: y });
+    this.wanted.push({ key, ...label, brief: this.brief, anchorX: x, anchorY: y });
   }
 
   /** From a label to what it names. */
