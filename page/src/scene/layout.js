@@ -15,6 +15,7 @@ const RAISED = Math.PI / TURNS;
 /** What covering costs, and crossing a leader line, in px of distance. */
 const COVER_LABEL = 20000;
 const COVER_CONTACT = 8000;
+const COVER_ARROW = 500;
 const COVERS = COVER_CONTACT / 4; // from which on anything is covered: no way is as long
 const CROSS_LABEL = 300;
 const CROSS = 150;
@@ -22,7 +23,8 @@ const CROSS = 150;
 const STAY = 30;
 
 /**
- * @typedef {{x: number, y: number, width: number, height: number}} Box left, top and size in px
+ * @typedef {{x: number, y: number, width: number, height: number, light?: boolean}} Box left, top
+ *   and size in px; whether it is rather covered than others
  *
  * @typedef {object} Placed
  * @property {number} anchorX of what is labelled, px
@@ -121,7 +123,7 @@ function costOf(label, before, kept) {
     const [ox, oy] = leaderEnd(other);
     if (meet(anchorX, anchorY, x, y, other.anchorX, other.anchorY, ox, oy)) cost += CROSS;
   }
-  for (const box of kept) cost += COVER_CONTACT * shareCovered(box, label);
+  for (const box of kept) cost += (box.light ? COVER_ARROW : COVER_CONTACT) * shareCovered(box, label);
   return cost;
 }
 

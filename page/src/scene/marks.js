@@ -14,6 +14,8 @@ import { leaderEnd } from "./layout.js";
 import { Lines } from "./lines.js";
 
 const AROUND = 32; // segments of a ring
+const CORNERS = 8; // of the box around a contact
+const ROOM_PX = 3; // around it
 const THIN = 24; // of the ellipse where a contact may be
 const EDGE = 24; // segments of a side of the focus window
 const DASHES = 14;
@@ -109,12 +111,12 @@ export class Marks {
     const reach = old ? 0 : this.#uncertainty(contact);
     const place = this.#rest(contact);
     const tail = this.#arrow(place, contact, old ? this.tint.old : this.tint.contact, false, view);
-    this.#keep(place.position, Math.max(reach, Math.sqrt((contact.area || 1e-5) / Math.PI)), view);
+    this.#keep(contact, Math.max(reach, Math.sqrt((contact.area || 1e-5) / Math.PI)), view);
     this.#keepArrow(place.position, tail, view);
     const maybe = contact.maybe ? ` · ${orElse(contact.maybe)}?` : "";
     this.#label(`c${contact.key}`, tail, view, {
       title: `${forceWords(contact)} ${this.unit}${maybe}`,
-      aside: truth ? `truth ${fixed(truth.force, 2)}` : "",
+      aside: truth && view.width >= NARROW ? `truth ${fixed(truth.force, 2)}` : "",
       second: this.theme.truth,
       detail: this.brief ? "" : `#${contact.track}  ${old ? (contact.seen ?? "not of now") : this.#where(contact)}${truth && !old ? `, ${fixed(1e3 * error_m)} off` : ""}`,
       accent: old ? this.theme.muted : this.theme.contact,
@@ -126,7 +128,7 @@ export class Marks {
     const place = this.#rest(press);
     const tail = this.#arrow(place, press, this.tint.truth, true, view);
     const radius = press.contact_radius || press.radius || 0.002;
-    this.#keep(place.position, radius, view);
+    this.#keep(press, radius, view);
     this.#keepArrow(place.position, tail, view);
     this.#ring(press, radius, this.onSkin.truth, { dashed: true, rest: true });
   }
@@ -205,12 +207,18 @@ export class Marks {
     return `${name}x ${fixed(1e3 * x)}  y ${fixed(1e3 * y)} mm`;
   }
 
-  /** Labels are not to hide a contact, nor its arrow. */
-  #keep(position, radius, view) {
-    const [x, y] = this.#pixel(this.seen.set(...position), view);
-    const distance = this.seen.set(...position).distanceTo(view.camera.position);
-    const reach = 6 + radius / view.pixel(distance);
-    this.kept.push({ x: x - reach, y: y - reach, width: 2 * reach, height: 2 * reach });
+  /** Labels are not to hide what is within a radius of a contact, nor its arrow. */
+  #keep({ patch, x, y, position }, radius, view) {
+    const out = { position: [...position], normal: [0, 0, 1] };
+    const seen = [];
+    for (let turn = 0; turn < CORNERS; turn += 1) {
+      const angle = (turn * 2 * Math.PI) / CORNERS;
+      this.patches.at(patch, x + radius * Math.cos(angle), y + radius * Math.sin(angle), out, true);
+      seen.push(this.#pixel(this.seen.set(...out.position), view));
+    }
+    const [left, top] = [0, 1].map((axis) => Math.min(...seen.map((at) => at[axis])) - ROOM_PX);
+    const [right, low] = [0, 1].map((axis) => Math.max(...seen.map((at) => at[axis])) + ROOM_PX);
+    this.kept.push({ x: left, y: top, width: right - left, height: low - top });
   }
 
   #keepArrow(tip, tail, view) {
@@ -219,7 +227,7 @@ export class Marks {
     for (let part = 0; part < 4; part += 1) {
       const [x, y] = [ax + ((part + 0.5) / 4) * (bx - ax), ay + ((part + 0.5) / 4) * (by - ay)];
       const tall = Math.max(10, Math.abs(by - ay) / 4);
-      this.kept.push({ x: x - 7, y: y - tall / 2, width: 14, height: tall });
+      this.kept.push({ x: x - 7, y: y - tall / 2, width: 14, height: tall, light: true });
     }
   }
 
