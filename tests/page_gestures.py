@@ -5,6 +5,8 @@ from typing import Any
 
 from browser import Look
 
+NEAR = 4.0  # mm, of what the engine alone finds at once
+
 PIXEL = """([x, y]) => {
   const { scene } = window.skinfield, box = scene.canvas.getBoundingClientRect();
   const middle = scene.pick(box.width / 2, box.height / 2);
@@ -24,6 +26,37 @@ PIXEL = """([x, y]) => {
   }
   const found = scene.pickAtRest(at.x, at.y);
   return { x: box.x + at.x, y: box.y + at.y, at: found && [found.x, found.y], middle };
+}"""
+
+
+LABELS = """() => {  // how many, and what of one covers another or the ellipse of a place
+  const { scene } = skinfield, { marks } = scene;
+  const cards = marks.labels.placed.filter(({ accent, hidden }) => accent && !hidden);
+  const covered = [];
+  cards.forEach((a, i) => cards.slice(i + 1).forEach((b) => {
+    const apart = a.x + a.width <= b.x || b.x + b.width <= a.x
+      || a.y + a.height <= b.y || b.y + b.height <= a.y;
+    if (!apart) covered.push(["label", i]);
+  }));
+  for (const { patch, x, y, place_cov: [xx, xy, yy] } of marks.contacts) {
+    const [half, det] = [(xx + yy) / 2, xx * yy - xy * xy], out = { position: [], normal: [] };
+    const wide = Math.sqrt(4.605 * (half + Math.sqrt(half * half - det)));  // nine times in ten
+    if (wide > 0.3 * marks.size) continue;
+    for (let turn = 0; turn < 32; turn += 1) {  // Cholesky's square root, around the circle
+      const [c, s] = [Math.cos(turn * Math.PI / 16), Math.sin(turn * Math.PI / 16)];
+      const u = Math.sqrt(4.605 * xx) * c;
+      const v = Math.sqrt(4.605 / xx) * (xy * c + Math.sqrt(det) * s);
+      if (!scene.patches.at(patch, x + u, y + v, out, true)) continue;
+      const at = scene.project(out.position);
+      const within = ({ x, y, width, height }) =>
+        at.x > x && at.x < x + width && at.y > y && at.y < y + height;
+      if (cards.some(within)) {
+        covered.push(["ellipse", turn]);
+        break;
+      }
+    }
+  }
+  return [cards.length, covered];
 }"""
 
 

@@ -11,7 +11,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -23,6 +23,7 @@ import skinfield as sf
 from skinfield.bridges.launch import Bridge
 from skinfield.bridges.settings import BridgeSettings
 from skinfield.errors import InputError
+from skinfield.estimate import Tracker
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop import preparation, process_supervisor
 from skinfield.loop.baseline import TareBaseline
@@ -44,8 +45,14 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are teste
 
 
 @pytest.fixture(scope="module")
-def running():
-    made = settings(sources=(Ticking(fail_after=1500),))
+def finger(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """File that presses the skin while it is there."""
+    return tmp_path_factory.mktemp("finger") / "presses"
+
+
+@pytest.fixture(scope="module")
+def running(finger):
+    made = settings(sources=(Ticking(fail_after=1500, pressed=finger),))
     with Supervisor(made) as supervisor:
         supervisor.wait(120.0).close()
         yield supervisor
@@ -152,8 +159,18 @@ def test_a_source_that_falls_over_is_opened_again(live, running) -> None:
     assert running.restarts == restarts
 
 
-def test_the_engine_comes_back_after_a_kill_on_the_same_ring(live, running) -> None:
-    before = live.latest(timeout=20.0)
+def test_the_engine_comes_back_after_a_kill_on_the_same_ring(live, running, finger) -> None:
+    def contact(age: float = 0.0) -> Any:
+        """The oldest one, once it is older than this, s."""
+
+        def found() -> Any:
+            rows = live.latest(timeout=60.0).contacts
+            return rows[rows["age"].argmax()] if (rows["age"] >= age).any() else None
+
+        return wait_for(found)
+
+    finger.touch()
+    held, before = contact(0.2), live.latest(timeout=20.0)
     pid, generation = live.reader.pid, live.reader.generation
     calibration = live.reader.status["calibration"]
     os.kill(pid, signal.SIGKILL)
@@ -165,6 +182,16 @@ def test_the_engine_comes_back_after_a_kill_on_the_same_ring(live, running) -> N
     assert any(each.what == "failed" and "SIGKILL" in each.text for each in running.events)
     told = json.loads(sidecar(live.name, "supervisor").read_text())
     assert told["restarts"] >= 1
+    found, waited = contact(), 1e-9 * (live.latest(timeout=20.0).stamp_ns - before.stamp_ns)
+    if waited < Tracker().pause:
+        assert found["track"] == held["track"]  # it was held meanwhile
+    finger.unlink()
+    wait_for(lambda: not len(live.latest(timeout=20.0).contacts))
+    live.wait_contact(0.3)
+    finger.touch()
+    assert contact()["track"] > held["track"]
+    finger.unlink()
+    wait_for(lambda: not len(live.latest(timeout=20.0).contacts))
 
 
 def test_an_engine_that_cannot_start_says_why(monkeypatch: pytest.MonkeyPatch) -> None:

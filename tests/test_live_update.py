@@ -139,7 +139,7 @@ def test_an_answer_is_not_repeated_as_new_and_goes_when_it_is_too_old(made) -> N
     assert len(slot.used_contacts()) == 0
 
 
-@pytest.mark.parametrize("pause", [0.02, 0.1, 0.7])
+@pytest.mark.parametrize("pause", [0.02, 0.1, 0.7, 3.0])
 def test_a_pause_of_readings_keeps_the_number_of_a_contact(made, pause: float) -> None:
     channels, slot, found = Channels(72), CycleSlot.empty(made.sizes), []
     stamp, step = NOW, 10**7

@@ -1,56 +1,13 @@
 """Tools, keys and timeline of the page of a running skin, in a real browser; small windows."""
 
 import csv
-import sys
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from browser import STARTS, Look, Served, looking, running_browser, served
-from live_skins import unique_name
-from page_gestures import Hand
-
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
-QUIET = ("--headless", "--scene", "idle", "--rate-hz", "100", "--priority", "0")
-NEAR = 4.0  # mm, of what the engine alone finds at once
-
-
-@pytest.fixture(scope="module")
-def skin(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
-    folder = tmp_path_factory.mktemp("timeline")
-    with served("run", "--name", unique_name(), *QUIET, folder=folder) as made:
-        made.wait_running()
-        yield made
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with running_browser() as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def opened(browser: Any, skin: Served) -> Iterator[Look]:
-    with looking(browser) as look:
-        look.open(skin.address)
-        yield look
-
-
-@pytest.fixture
-def look(opened: Look) -> Iterator[Look]:
-    """The page, untouched, without an error before and after."""
-    yield opened
-    opened.page.keyboard.press("Escape")
-    opened.until("skinfield.state.truth.length + skinfield.state.contacts.length === 0")
-    assert opened.wrong == []
-    assert opened.value("skinfield.state.malformed") == []
-
-
-@pytest.fixture
-def hand(look: Look) -> Hand:
-    return Hand(look)
-
+from browser import STARTS, Look, Served, looking
+from page_fixtures import *  # noqa: F403
+from page_gestures import NEAR, Hand
 
 # tools and keys
 

@@ -298,12 +298,32 @@ def test_times_come_from_stamps() -> None:
     assert tracker.events[0].stamp_ns == start
 
 
-def test_a_pause_in_the_readings_loses_all() -> None:
-    tracker, second = sf.Tracker(memory=1.0), 1_000_000_000
-    tracker(estimate([contact(0.0, 0.0, 1.0)], second))
-    assert tracker(estimate([contact(0.0, 0.0, 1.0)], 2 * second))[0].track_id == 0
-    assert tracker(estimate([contact(0.0, 0.0, 1.0)], 4 * second))[0].track_id == 1
-    assert told(tracker.events) == [("lost", (0,)), ("made", (1,))]
+@pytest.mark.parametrize(
+    ("pause", "x", "force", "same"),
+    [
+        (0.9, 0.3, 1.0, True),
+        (2.0, 0.3, 1.0, True),
+        (9.9, 0.3, 1.3, True),
+        (10.1, 0.0, 1.0, False),  # nobody knows what happened meanwhile
+        (2.0, 7.5, 1.0, False),  # elsewhere
+        (2.0, 0.0, 3.0, False),  # harder by far
+        (2.0, 0.0, None, False),  # readings that go on without it
+    ],
+)
+def test_a_contact_goes_on_after_a_pause_of_readings_where_it_was(
+    pause: float, x: float, force: float | None, same: bool
+) -> None:
+    tracker, second = sf.Tracker(), 1_000_000_000
+    for step in range(5):  # at 2 mm/s, until the readings stop
+        tracker(estimate([contact(0.2 * step - 0.8, 0.0, 1.0)], second + step * second // 10))
+    stamp = second + 4 * second // 10 + round(pause * second)
+    if force is None:
+        for _ in range(8):
+            tracker(estimate([], stamp := stamp + second // 50))
+    found = tracker(estimate([contact(x, 0.0, force or 1.0)], stamp + second // 50))
+    assert [each.track_id for each in found if not each.is_coasting] == [0 if same else 1]
+    kinds = [kind for kind, _ in told(tracker.events) if kind != "moved"]
+    assert kinds == ([] if same else ["made"] if force is None or x == 7.5 else ["lost", "made"])
 
 
 def test_a_run_of_readings_gives_what_single_ones_give() -> None:

@@ -177,6 +177,7 @@ function statusMessage(message) {
   status.show(message);
   showPreparing(message.preparing);
   invite();
+  scene.setCovered([byId("preparing"), byId("invitation")]);
 }
 
 function noticeMessage({ level, text: words }) {

@@ -117,6 +117,7 @@ export class Replay {
     this.#back.clear();
     this.#strip.show(null);
     document.body.classList.toggle("is-replay", Boolean(replay));
+    document.body.classList.toggle("no-recordings", !recordings?.length);
     // a live skin that can be gone back to tells its recordings; one that is shown by itself has none
     byId("replay-close").hidden = !replay || !recordings?.length;
     this.#showRecordings(recordings ?? []);

@@ -43,7 +43,8 @@ const FRAGMENT = /* glsl */ `
  * @property {number} [anchorX] px
  * @property {number} [anchorY]
  * @property {-1|0|1|2} [side] as in layout.js
- * @property {boolean} [spare] better left out than covering anything
+ * @property {boolean} [spare] better left out than covering anything, or standing far away
+ * @property {boolean} [brief] better left out than covering anything
  * @property {[number, number]} [middle] where it stands, whatever else is there, px
  * @property {[number, number]} [left] the same, of the middle of its left border
  */
@@ -194,8 +195,8 @@ export class Labels {
     for (const one of wanted) {
       const label = this.shown.get(one.key) ?? this.#take(one.key);
       label.write(one, theme);
-      const { anchorX, anchorY, side, spare, accent } = one;
-      Object.assign(label, { anchorX, anchorY, side, spare, accent, hidden: false });
+      const { anchorX, anchorY, side, spare, brief, accent } = one;
+      Object.assign(label, { anchorX, anchorY, side, spare, brief, accent, hidden: false });
       this.order.push(label);
       const at = one.middle ?? one.left;
       if (at) {

@@ -7,19 +7,24 @@ const GAP = 4;
 
 /** Px between a label and what it names: beside it, or further off at the end of a leader line. */
 const AWAY = [11, 26, 44, 66, 92, 124, 160];
+const [ROWS, COLUMNS] = [14, 8]; // of places all over the picture
 const TURNS = 16; // directions around what is named
 /** Off the level, beside what is named: an arrow comes from below. */
 const RAISED = Math.PI / TURNS;
 
 /** What covering costs, and crossing a leader line, in px of distance. */
-const COVER_LABEL = 4000;
-const COVER_CONTACT = 1200;
+const COVER_LABEL = 20000;
+const COVER_CONTACT = 8000;
+const COVER_ARROW = 500;
+const COVERS = COVER_CONTACT / 4; // from which on anything is covered: no way is as long
+const CROSS_LABEL = 300;
 const CROSS = 150;
 /** A label changes its place only for so much gain: it is not to jump to and fro. */
 const STAY = 30;
 
 /**
- * @typedef {{x: number, y: number, width: number, height: number}} Box left, top and size in px
+ * @typedef {{x: number, y: number, width: number, height: number, light?: boolean}} Box left, top
+ *   and size in px; whether it is rather covered than others
  *
  * @typedef {object} Placed
  * @property {number} anchorX of what is labelled, px
@@ -27,11 +32,12 @@ const STAY = 30;
  * @property {number} width px
  * @property {number} height
  * @property {-1|0|1|2} side where it stands best: left of the anchor, above it, right of it, below it
- * @property {boolean} [spare] better left out than covering anything
+ * @property {boolean} [spare] better left out than covering anything, or standing far away
+ * @property {boolean} [brief] better left out than covering anything
  * @property {number} [taken] the place it had before, set here
  * @property {number} x left edge, set here
  * @property {number} y top edge, set here
- * @property {boolean} [hidden] left out, set here
+ * @property {boolean} [hidden] left out, set here: where it would cover another label
  */
 
 /**
@@ -55,7 +61,8 @@ export function placeLabels(labels, kept, width, height) {
     };
     around(label, consider);
     if (!label.spare) beside(label, before, consider);
-    label.hidden = Boolean(label.spare) && best.cost >= COVER_CONTACT / 4;
+    if (!label.spare && best.cost >= COVERS) anywhere(label, width, height, consider);
+    label.hidden = best.cost >= (label.spare || label.brief ? COVERS : COVER_LABEL);
     label.x = best.x;
     label.y = best.y;
     label.taken = best.taken;
@@ -88,6 +95,16 @@ function beside(label, before, consider) {
   });
 }
 
+/** Places all over the picture, where there is no room near by. */
+function anywhere(label, width, height, consider) {
+  for (let row = 0; row <= ROWS; row += 1) {
+    for (let column = 0; column <= COLUMNS; column += 1) {
+      const [x, y] = [(column / COLUMNS) * (width - label.width), (row / ROWS) * (height - label.height)];
+      consider(x, y, 1000 + row * (COLUMNS + 1) + column);
+    }
+  }
+}
+
 function bestAngle({ side }) {
   if (side === 0) return Math.PI / 2;
   if (side === 2) return -Math.PI / 2;
@@ -102,11 +119,11 @@ function costOf(label, before, kept) {
   cost += 14 * Math.acos(Math.cos(angle - bestAngle(label)));
   for (const other of before) {
     if (overlap(label, widened(other))) cost += COVER_LABEL;
-    else if (crosses(anchorX, anchorY, x, y, other)) cost += COVER_CONTACT / 4;
+    else if (crosses(anchorX, anchorY, x, y, other)) cost += CROSS_LABEL;
     const [ox, oy] = leaderEnd(other);
     if (meet(anchorX, anchorY, x, y, other.anchorX, other.anchorY, ox, oy)) cost += CROSS;
   }
-  for (const box of kept) cost += COVER_CONTACT * shareCovered(box, label);
+  for (const box of kept) cost += (box.light ? COVER_ARROW : COVER_CONTACT) * shareCovered(box, label);
   return cost;
 }
 

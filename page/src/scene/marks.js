@@ -14,9 +14,14 @@ import { leaderEnd } from "./layout.js";
 import { Lines } from "./lines.js";
 
 const AROUND = 32; // segments of a ring
+const CORNERS = 8; // of the box around a contact
+const ROOM_PX = 3; // around it
 const THIN = 24; // of the ellipse where a contact may be
 const EDGE = 24; // segments of a side of the focus window
 const DASHES = 14;
+const NARROW = 480; // px of a picture in which labels are brief
+const MANY = 5; // contacts, from more of which on they are
+const UNKNOWN = 0.3; // of the skin's size, from which on an ellipse says nothing of a place
 const EDGE_PX = 6; // from the picture's border, within which no arrow begins
 
 const colour = (text) => new THREE.Color(text);
@@ -44,6 +49,9 @@ export class Marks {
     this.from = { position: [0, 0, 0], normal: [0, 0, 1] };
     this.wanted = [];
     this.kept = [];
+    /** @type {import("./layout.js").Box[]} what stands over the picture, px */
+    this.covered = [];
+    this.brief = false; // labels say the force alone
     this.seen = new THREE.Vector3();
     this.seenColour = new THREE.Color();
     this.tail = new THREE.Vector3();
@@ -78,6 +86,8 @@ export class Marks {
     for (const each of [this.lines, this.arrows, this.above]) each.clear();
     this.wanted.length = 0;
     this.kept.length = 0;
+    this.kept.push(...this.covered);
+    this.brief = view.width < NARROW || this.contacts.length > MANY;
     this.corner.draw(view, this.above, this.wanted, this.patches.ruling, this.patches.setView(view.out()));
     const rows = matched(this.contacts, this.truth);
     for (const press of this.truth) this.#truth(press, view);
@@ -98,17 +108,17 @@ export class Marks {
   #contact({ contact, truth, error_m }, view) {
     const { old } = contact;
     this.#outline(contact, old ? this.tint.old : this.onSkin.contact);
-    if (!old) this.#uncertainty(contact);
+    const reach = old ? 0 : this.#uncertainty(contact);
     const place = this.#rest(contact);
     const tail = this.#arrow(place, contact, old ? this.tint.old : this.tint.contact, false, view);
-    this.#keep(place.position, Math.sqrt((contact.area || 1e-5) / Math.PI), view);
+    this.#keep(contact, Math.max(reach, Math.sqrt((contact.area || 1e-5) / Math.PI)), view);
     this.#keepArrow(place.position, tail, view);
     const maybe = contact.maybe ? ` · ${orElse(contact.maybe)}?` : "";
     this.#label(`c${contact.key}`, tail, view, {
       title: `${forceWords(contact)} ${this.unit}${maybe}`,
-      aside: truth ? `truth ${fixed(truth.force, 2)}` : "",
+      aside: truth && view.width >= NARROW ? `truth ${fixed(truth.force, 2)}` : "",
       second: this.theme.truth,
-      detail: `#${contact.track}  ${old ? (contact.seen ?? "not of now") : this.#where(contact)}${truth && !old ? `, ${fixed(1e3 * error_m)} off` : ""}`,
+      detail: this.brief ? "" : `#${contact.track}  ${old ? (contact.seen ?? "not of now") : this.#where(contact)}${truth && !old ? `, ${fixed(1e3 * error_m)} off` : ""}`,
       accent: old ? this.theme.muted : this.theme.contact,
       side: 1,
     });
@@ -118,7 +128,7 @@ export class Marks {
     const place = this.#rest(press);
     const tail = this.#arrow(place, press, this.tint.truth, true, view);
     const radius = press.contact_radius || press.radius || 0.002;
-    this.#keep(place.position, radius, view);
+    this.#keep(press, radius, view);
     this.#keepArrow(place.position, tail, view);
     this.#ring(press, radius, this.onSkin.truth, { dashed: true, rest: true });
   }
@@ -128,7 +138,7 @@ export class Marks {
     const place = this.#rest(press);
     this.#label(`t${press.id}`, this.#tail(place, press, view), view, {
       title: `truth ${fixed(press.force, 2)} N`,
-      detail: `${this.#where(press)}  not found`,
+      detail: this.brief ? "not found" : `${this.#where(press)}  not found`,
       accent: this.theme.truth,
       side: -1,
     });
@@ -178,7 +188,7 @@ export class Marks {
   #label(key, at, view, label) {
     const [x, y] = this.#pixel(at, view);
     if (Math.abs(this.seen.z) > 1) return;
-    this.wanted.push({ key, ...label, anchorX: x, anchorY: y });
+    this.wanted.push({ key, ...label, brief: this.brief, anchorX: x, anchorY: y });
   }
 
   /** From a label to what it names. */
@@ -197,12 +207,18 @@ export class Marks {
     return `${name}x ${fixed(1e3 * x)}  y ${fixed(1e3 * y)} mm`;
   }
 
-  /** Labels are not to hide a contact, nor its arrow. */
-  #keep(position, radius, view) {
-    const [x, y] = this.#pixel(this.seen.set(...position), view);
-    const distance = this.seen.set(...position).distanceTo(view.camera.position);
-    const reach = 6 + radius / view.pixel(distance);
-    this.kept.push({ x: x - reach, y: y - reach, width: 2 * reach, height: 2 * reach });
+  /** Labels are not to hide what is within a radius of a contact, nor its arrow. */
+  #keep({ patch, x, y, position }, radius, view) {
+    const out = { position: [...position], normal: [0, 0, 1] };
+    const seen = [];
+    for (let turn = 0; turn < CORNERS; turn += 1) {
+      const angle = (turn * 2 * Math.PI) / CORNERS;
+      this.patches.at(patch, x + radius * Math.cos(angle), y + radius * Math.sin(angle), out, true);
+      seen.push(this.#pixel(this.seen.set(...out.position), view));
+    }
+    const [left, top] = [0, 1].map((axis) => Math.min(...seen.map((at) => at[axis])) - ROOM_PX);
+    const [right, low] = [0, 1].map((axis) => Math.max(...seen.map((at) => at[axis])) + ROOM_PX);
+    this.kept.push({ x: left, y: top, width: right - left, height: low - top });
   }
 
   #keepArrow(tip, tail, view) {
@@ -211,7 +227,7 @@ export class Marks {
     for (let part = 0; part < 4; part += 1) {
       const [x, y] = [ax + ((part + 0.5) / 4) * (bx - ax), ay + ((part + 0.5) / 4) * (by - ay)];
       const tall = Math.max(10, Math.abs(by - ay) / 4);
-      this.kept.push({ x: x - 7, y: y - tall / 2, width: 14, height: tall });
+      this.kept.push({ x: x - 7, y: y - tall / 2, width: 14, height: tall, light: true });
     }
   }
 
@@ -243,10 +259,13 @@ export class Marks {
     return tail;
   }
 
-  /** The ellipse that holds the place of a contact nine times in ten. */
+  /**
+   * The ellipse that holds the place of a contact nine times in ten.
+   * @returns {number} how far it reaches, m; 0 where none is drawn
+   */
   #uncertainty({ patch, x, y, place_cov }) {
     const ellipse = place_cov && placeEllipse(place_cov);
-    if (!ellipse || !(ellipse.a > 0) || ellipse.a > this.size) return;
+    if (!ellipse || !(ellipse.a > 0) || ellipse.a > UNKNOWN * this.size) return 0;
     const { a, b, angle } = ellipse;
     const [c, s] = [Math.cos(angle), Math.sin(angle)];
     const look = { width: 1.2, opacity: 0.85, rest: true };
@@ -255,6 +274,7 @@ export class Marks {
       out[0] = x + c * u - s * v;
       out[1] = y + s * u + c * v;
     });
+    return Math.max(a, b);
   }
 
   /** A circle on the skin. */

@@ -121,6 +121,14 @@ export class SkinScene {
     this.marks.waiting = presses;
   }
 
+  /** @param {Iterable<Element>} elements that stand over the picture: labels keep off them */
+  setCovered(elements) {
+    const { left, top } = this.canvas.getBoundingClientRect();
+    const boxes = [...elements].map((each) => each.getBoundingClientRect()).filter(({ width }) => width > 0);
+    this.marks.covered = boxes.map((box) => ({ x: box.x - left, y: box.y - top, width: box.width, height: box.height }));
+    this.redraw();
+  }
+
   /** @returns {Promise<void>} fulfilled when what was set so far is on the screen */
   whenDrawn() {
     return new Promise((resolve) => {

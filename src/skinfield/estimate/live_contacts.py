@@ -52,8 +52,7 @@ class LiveContacts:
         tracker: Tracker | None = None,
         ids: Ints | None = None,
     ) -> None:
-        from skinfield.estimate.live_contacts_kernel import find_rows, take_rows
-        from skinfield.estimate.tracking_kernel import number_rows
+        from skinfield.estimate.live_contacts_kernel import find_rows, number_rows, take_rows
 
         if rows < 1 or not levels:
             raise InputError(f"rows is {rows} on {len(levels)} levels, expected 1 or more of each")

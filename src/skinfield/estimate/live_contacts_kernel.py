@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
 from skinfield.estimate.regions_kernel import REGIONS, SPARE, STARTS, find
+from skinfield.estimate.track_memory import FLOORS, NOW, TOP, TrackMemory
+from skinfield.estimate.tracking_kernel import FORCE_FLOOR, track
 
 CELLS = 96  # of a region up to which its deviations are exact; of larger ones, evenly thinned
 TIE = 1e-9  # as in `skinfield.estimate.ranking`: forces that differ by this part are equal
@@ -321,3 +323,32 @@ def state_deviations(row: Any) -> None:
     covariance = row.covariance
     row.force_std = np.sqrt(covariance[FORCE_FORCE])
     row.place_std = np.sqrt(0.5 * (covariance[XX] + covariance[YY]))
+
+
+@njit
+def number_rows(memory: TrackMemory, many: int, now: int, rows: Any) -> None:
+    """Go on to a reading whose contacts are the first `many` rows, and write what is known of them.
+
+    Rows are of `CONTACT`; a covariance that is not known is that of the deviations, and those are
+    the gate's floor and `FORCE_FLOOR` where nothing is known.
+    """
+    for place in range(many):
+        row, contact, total = rows[place], memory.contacts[place], 0.0
+        mean, covariance, stated = contact.mean, contact.covariance, row.covariance
+        mean[0], mean[1], mean[2] = row.x, row.y, row.normal_force
+        place_std = row.place_std if np.isfinite(row.place_std) else memory.rules[0].floor
+        force_std = row.force_std if np.isfinite(row.force_std) else FORCE_FLOOR * mean[2]
+        for number in range(6):
+            total += stated[number]
+        for i in range(3):
+            for j in range(3):
+                number = max(i, j) * (max(i, j) + 1) // 2 + min(i, j)
+                own = (place_std**2 if i < 2 else force_std**2) if i == j else 0.0
+                covariance[i, j] = FLOORS[i, j] + (stated[number] if np.isfinite(total) else own)
+    track(memory, many, now)
+    for place in range(memory.words[TOP]):
+        known = memory.tracks[place]
+        if known.column >= 0:
+            row, mean = rows[known.column], known.mean
+            row.track, row.age = known.number, 1e-9 * (memory.words[NOW] - known.made)
+            row.speed = np.hypot(mean[3], mean[4])

@@ -45,7 +45,8 @@ RULES = np.dtype(
         (name, np.float64)
         for name in (
             *("place_push", "force_push", "speed_variance", "force_rate_variance", "top_speed"),
-            *("false_onsets", "gate", "floor", "reach", "period_ns", "coast_ns", "memory_ns"),
+            *("false_onsets", "gate", "floor", "reach", "period_ns", "coast_ns"),
+            *("memory_ns", "pause_ns"),
             *("strong", "weak_readings", "near", "slip_speed", "slip_sigmas"),
         )
     ]

@@ -51,8 +51,11 @@ class Tracker:
     near : float, m
         Contacts farther from each other neither merge nor split.
     memory : float, s
-        For which an absorbed contact is remembered. All tracks are lost if there is no reading
-        for longer than this.
+        For which an absorbed contact is remembered.
+    pause : float, s
+        Longer than `memory`: for which there may be no reading at all. The contacts after it go on
+        with those before that were at the same place, with half to twice the force; all others are
+        lost, and all after a longer pause.
     slip_speed : float, m/s
         A contact moves if its place does so faster than this,
     slip_sigmas : float
@@ -72,6 +75,7 @@ class Tracker:
     weak_readings: int = 2
     near: float = 12e-3
     memory: float = 1.0
+    pause: float = 10.0
     slip_speed: float = 5e-3
     slip_sigmas: float = 3.0
 
@@ -81,6 +85,7 @@ class Tracker:
         check_range("strong", self.strong, 0.0, 1e6, "standard deviations of the force")
         check_positive("near", self.near, "farthest distance of contacts that merge, in metres")
         check_positive("memory", self.memory, "seconds for which merged contacts are known")
+        check_positive("pause", self.pause, "seconds without a reading that contacts outlast")
         check_positive("slip_speed", self.slip_speed, "from which on a contact slips, in m/s")
         check_range("slip_sigmas", self.slip_sigmas, 0.0, 1e6, "standard deviations of the speed")
         check_count("weak_readings", self.weak_readings, 1, 1000, "in a row, before a weak contact")
@@ -140,7 +145,7 @@ class Tracker:
         pushes = motion.acceleration**2 * HOLD, motion.force_rate**2 / HOLD
         rates = motion.first_speed**2, motion.first_force_rate**2, motion.top_speed
         gates = motion.false_onsets, gate.distance, gate.floor, gate.reach
-        times = (round(1e9 * each) for each in (self.period, self.coast, self.memory))
+        times = (round(1e9 * each) for each in (self.period, self.coast, self.memory, self.pause))
         rest = self.strong, self.weak_readings, self.near, self.slip_speed, self.slip_sigmas
         return np.array([(*pushes, *rates, *gates, *times, *rest)], RULES)
 
@@ -175,7 +180,7 @@ class Tracker:
         order = falling_order(tracks["mean"][:, 2].tolist(), tracks["number"].tolist())
         events = self._events_since(before, chart)
         if isinstance(chart, LinkChart):
-            chart.forget(now - round(1e9 * max(self.coast, self.memory)))
+            chart.forget(now - round(1e9 * max(self.coast, self.memory, self.pause)))
         return tuple(found[index] for index in order), events
 
     def _events_since(self, before: int, chart: Chart | LinkChart) -> tuple[ContactEvent, ...]:

@@ -14,7 +14,6 @@ from skinfield.estimate.track_memory import (
     ABSORBED,
     CONFIRMED,
     EVENTS,
-    FLOORS,
     FREE,
     NOW,
     STARTED,
@@ -32,6 +31,7 @@ FORCE_COST = 9.0  # most that a force which does not fit adds to the cost
 FORCE_FLOOR = 0.15  # part of a force: what solvers do not state of it
 LIMIT = 21.1  # squared distance of three numbers that is exceeded with a chance of 1e-4
 NARROW = 3e-3  # m: bodies whose ways come nearer than this cannot pass each other
+ALIKE = 0.5  # part of a force by which it may differ after a pause
 LEAST = 1e-9  # N that has a share
 
 
@@ -40,12 +40,15 @@ def track(memory: TrackMemory, count: int, now: int) -> None:
     """Go on to a reading with `count` contacts, which are in `memory.contacts`, at `now` ns.
 
     Afterwards `column` of each track is the place of its contact there, -1 where it coasts. The
-    order of contacts does not matter: they are sorted here. Where a clock was set back by less than
-    the memory, no time passes until it has caught up.
+    order of contacts does not matter: they are sorted here. After a pause of readings tracks go on
+    where they were, see `Tracker.pause`. Where a clock was set back by less than the memory, no
+    time passes until it has caught up.
     """
     rule, words, tracks, contacts = memory.rules[0], memory.words, memory.tracks, memory.contacts
     passed = now - words[NOW] if words[STARTED] else 0
-    forgets = abs(passed) > max(rule.memory_ns, rule.period_ns)
+    lasts = max(rule.memory_ns, rule.period_ns)
+    paused = lasts < passed <= rule.pause_ns
+    forgets = abs(passed) > lasts and not paused
     words[NOW] = now if forgets or not words[STARTED] else max(now, words[NOW])
     words[STARTED] = 1
     if forgets:  # nobody knows what happened between
@@ -58,10 +61,14 @@ def track(memory: TrackMemory, count: int, now: int) -> None:
         if known.state == ABSORBED:
             if words[NOW] - known.last > rule.memory_ns:
                 known.state = FREE
+        elif known.state != FREE and paused:
+            hold(memory, place)
         elif known.state != FREE:
             predict(known, rule, NS * max(passed, 0))
     if count > 0:
         assign(memory, count)
+    if paused:
+        part_unlike(memory)
     merge_tracks(memory, count)
     split_tracks(memory, count)
     for column in range(count):
@@ -90,35 +97,6 @@ def track(memory: TrackMemory, count: int, now: int) -> None:
                 watch_slip(memory, place)
             known.column = contacts[known.column].origin
     words[TOP] = top
-
-
-@njit
-def number_rows(memory: TrackMemory, many: int, now: int, rows: Any) -> None:
-    """Go on to a reading whose contacts are the first `many` rows, and write what is known of them.
-
-    Rows are of `CONTACT`; a covariance that is not known is that of the deviations, and those are
-    the gate's floor and `FORCE_FLOOR` where nothing is known.
-    """
-    for place in range(many):
-        row, contact, total = rows[place], memory.contacts[place], 0.0
-        mean, covariance, stated = contact.mean, contact.covariance, row.covariance
-        mean[0], mean[1], mean[2] = row.x, row.y, row.normal_force
-        place_std = row.place_std if np.isfinite(row.place_std) else memory.rules[0].floor
-        force_std = row.force_std if np.isfinite(row.force_std) else FORCE_FLOOR * mean[2]
-        for number in range(6):
-            total += stated[number]
-        for i in range(3):
-            for j in range(3):
-                number = max(i, j) * (max(i, j) + 1) // 2 + min(i, j)
-                own = (place_std**2 if i < 2 else force_std**2) if i == j else 0.0
-                covariance[i, j] = FLOORS[i, j] + (stated[number] if np.isfinite(total) else own)
-    track(memory, many, now)
-    for place in range(memory.words[TOP]):
-        known = memory.tracks[place]
-        if known.column >= 0:
-            row, mean = rows[known.column], known.mean
-            row.track, row.age = known.number, NS * (memory.words[NOW] - known.made)
-            row.speed = np.hypot(mean[3], mean[4])
 
 
 @inner
@@ -161,6 +139,31 @@ def predict(known: Any, rule: Any, step: float) -> None:
     push(covariance, pushes, step**3 / 3, step**2 / 2, step)
     if mean[2] < 0.0:
         mean[2] = mean[5] = 0.0
+
+
+@inner
+def hold(memory: TrackMemory, place: int) -> None:
+    """Leave a confirmed track where it was, at rest, after a pause of readings; end any other."""
+    known = memory.tracks[place]
+    if known.state != CONFIRMED:
+        end_track(memory, place, -1)
+    mean = known.mean
+    mean[3] = mean[4] = mean[5] = 0.0
+    known.last = memory.words[NOW] - int(memory.rules[0].coast_ns)
+
+
+@inner
+def part_unlike(memory: TrackMemory) -> None:
+    """End tracks whose contact after a pause has another force than theirs."""
+    for place in range(memory.words[TOP]):
+        known = memory.tracks[place]
+        if known.state == CONFIRMED and known.pair >= 0:
+            contact = memory.contacts[known.pair]
+            own, its = known.mean[2], contact.mean[2]
+            variance = known.covariance[2, 2] + contact.covariance[2, 2]
+            if abs(own - its) > ALIKE * max(own, its) + 3.0 * np.sqrt(variance):
+                contact.free, known.pair = 1, -1
+                end_track(memory, place, -1)
 
 
 @inner

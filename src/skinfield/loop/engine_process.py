@@ -110,6 +110,7 @@ class EngineProcess:
         self.limits = Limits.of(self.ring.description)
         before = None if fresh_ring else read_notes(self.ring.status[CONFIGURATION.name])
         self.tuning = settings.tuning if before is None else Configuration.from_dict(before).tuning
+        self.last = None if fresh_ring else newest_cycle(settings.name)
         known = None if fresh_ring else known_baseline(self.ring)
         if known is not None:
             self.intake.resume()
@@ -268,6 +269,8 @@ class EngineProcess:
             self._note(progress={}, failed=f"{failed}, {solver} goes on: {error}")
             return
         made.take_over(before, self.ring.status["calibration"])
+        if self.last is not None:  # nearer to what this solver finds than linear answers since
+            made.resume(self.last)
         made.tune(self.tuning)
         self.updater, self.reset, self.began = made, True, True
         linear_s = round((time.monotonic_ns() - self.running_ns) * NS, 3)
@@ -278,10 +281,12 @@ class EngineProcess:
             self._note(progress=dict(progress))
 
     def _go(self, updater: Updater) -> None:
-        """From here on nothing may wait."""
-        settings = self.settings
+        """Answer from now on, and nothing may wait; contacts of an engine before go on."""
+        settings, last = self.settings, self.last
         self.updater, self.reset, self.began = updater, True, True
         updater.tune(self.tuning)
+        if last is not None:
+            updater.resume(last)
         granted = settings.real_time.apply()
         self.running_ns = time.monotonic_ns()
         by, wanted = updater.model_config.solver, self.model_config.solver
@@ -297,12 +302,8 @@ class EngineProcess:
         self.ring.set_state(State.RUNNING)
 
     def _go_on(self, updater: Updater) -> None:
-        """Take over from the engine before: contacts keep their numbers."""
+        """Take over from the engine before, without a start."""
         updater.count_in(self.ring.status["tracks"])
-        with RingReader(self.settings.name) as reader:
-            last = reader.latest()
-        if last is not None:
-            updater.resume(CycleSlot.of(last.arrays))
         self._go(updater)
         self.began = False
 
@@ -385,6 +386,13 @@ class EngineProcess:
         self.intake.close(leave=self.ending != State.STOPPED)
         self.control.close()
         self.ring.close()
+
+
+def newest_cycle(name: str) -> CycleSlot | None:
+    """What an engine before published last; None if that was nothing."""
+    with RingReader(name) as reader:
+        last = reader.latest()
+    return None if last is None else CycleSlot.of(last.arrays)
 
 
 def prepared_from_ring(settings: LiveSettings) -> Updater:

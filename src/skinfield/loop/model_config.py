@@ -286,6 +286,7 @@ class Models:
         self.noise_std: Floats = np.where(noise_std > 0, noise_std, typical)
         self._made: dict[str, Rungs] | None = None
         self._grids: dict[tuple[int, int], Grid] = {}
+        self._noise: dict[tuple[int, int], Floats] = {}
         sizes = [len(patch) for patch in model_config.skin]
         self.starts = np.concatenate([[0], np.cumsum(sizes)]).tolist()
 
@@ -335,6 +336,13 @@ class Models:
         """Displacement of a patch's nodes under a pressure (K,) Pa, (K, 3) m."""
         grid = self.grid(patch, nodes)
         return np.asarray(self._rung(patch, nodes).deformation.on(grid)(pressure))
+
+    def noise_pressure(self, patch: int, nodes: int) -> Floats:
+        """Standard deviation of the linear answer's pressure by noise alone, (K,) Pa."""
+        key = patch, nodes
+        if key not in self._noise:
+            self._noise[key] = np.asarray(self._rung(patch, nodes).start.noise.std)
+        return self._noise[key]
 
     def grid(self, patch: int, nodes: int) -> Grid:
         """Grid of a patch with so many nodes a side: one for each."""

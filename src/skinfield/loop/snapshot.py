@@ -182,6 +182,16 @@ class Snapshot(Pictured, Mapping[str, Estimate]):
         """Displacement of a patch into the skin, (K,) m; None until it is prepared."""
         return self[name].indentation if self.prepared else None
 
+    def noise_pressure(self, name: str) -> Floats | None:
+        """How strong a pressure noise alone makes of a linear answer; None until it is prepared.
+
+        One standard deviation on the nodes of the patch's answer, (K,) Pa.
+        """
+        if not self.prepared:
+            return None
+        place = self._names.index(name)
+        return self._models.noise_pressure(place, int(self.patches["rung"][place]))
+
     def taxels(self, name: str) -> tuple[NDArray[Any], NDArray[np.bool_], Floats]:
         """Values, validity and noise of a patch's taxels, (L,) each, in the quantity's unit."""
         place = self._names.index(name)

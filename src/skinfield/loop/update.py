@@ -188,7 +188,7 @@ class Updater:
             kept = self._kept
             for name in ("patches", "contacts", "pressure"):
                 np.copyto(getattr(kept, name), getattr(slot, name))
-            self.tracks[0] = slot.patches["tracks"][0]
+            self.tracks[0] = max(self.tracks[0], slot.patches["tracks"][0])
 
     def answer(
         self,

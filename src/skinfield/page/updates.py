@@ -52,7 +52,24 @@ QUANTITIES = {"pressure": "Pa", "deformation": "m", "uncertainty": "Pa", "taxels
 DEAD = 255  # of a taxel that is left out; others reach 254
 FULL = 254
 LASTS = 5.0  # s for which the last contacts of a patch are shown while no reading comes
+DOUBT = 3.0  # noise deviations of a linear answer's pressure, up to which it has no colour
 STRONG = 30.0  # noise deviations that a dot of a taxel is full at, at the least
+
+
+def beyond_noise(snapshot: Snapshot, place: int) -> Floats:
+    """Pressure of a patch as it is coloured: of a linear answer what noise does not explain.
+
+    It is faded in from `DOUBT` deviations to twice as many. Until the deviations are prepared,
+    there is none where no contact was found.
+    """
+    name = snapshot.model_config.skin[place].name
+    pressure: Floats = snapshot[name].pressure
+    if int(snapshot.patches["answer"][place]) != int(Answer.LINEAR):
+        return pressure
+    noise = snapshot.noise_pressure(name)
+    if noise is None:
+        return pressure if snapshot.patches["contacts"][place] else np.zeros_like(pressure)
+    return pressure * np.clip(np.abs(pressure) / (DOUBT * noise) - 1.0, 0.0, 1.0)
 
 
 @dataclass
@@ -213,13 +230,15 @@ class Updates:
         fields["taxels_full"] = self._strongest[number]  # what a full byte of them stands for
         fields |= {"height": -1, "colour": -1, "height_scale": 0.0, "height_zero": 0}
         if answer >= Answer.LINEAR:
-            fields |= self._fields(name, snapshot, parcel)
+            fields |= self._fields(each.place, snapshot, parcel)
         return fields
 
-    def _fields(self, name: str, snapshot: Snapshot, parcel: Parcel) -> dict[str, Any]:
+    def _fields(self, place: int, snapshot: Snapshot, parcel: Parcel) -> dict[str, Any]:
         """Deformation and colours of a patch that is touched."""
         fields: dict[str, Any] = {}
-        heights = snapshot.indentation(name)
+        name = snapshot.model_config.skin[place].name
+        pressure = beyond_noise(snapshot, place)
+        heights = snapshot.indentation(name) if pressure.any() else None
         if heights is not None:
             # A dent swells around itself: heights go both ways from the skin at rest
             low, high = float(heights.min(initial=0.0)), float(heights.max(initial=0.0))
@@ -228,7 +247,7 @@ class Updates:
             bounds = -zero * scale, (65535 - zero) * scale
             fields |= {"height_scale": scale, "height_zero": zero}
             fields["height"] = parcel.put("height", scaled(heights, *bounds))
-        values = self._values(name, snapshot, heights)
+        values = self._values(name, snapshot, pressure, heights)
         if values is not None:
             high = float(values.max(initial=0.0))
             parcel.highest = max(parcel.highest, high)
@@ -236,9 +255,11 @@ class Updates:
             fields["colour"] = parcel.put("colour", scaled(values, 0.0, high))
         return fields
 
-    def _values(self, name: str, snapshot: Snapshot, heights: Floats | None) -> Floats | None:
+    def _values(
+        self, name: str, snapshot: Snapshot, pressure: Floats, heights: Floats | None
+    ) -> Floats | None:
         if self.quantity == "pressure":
-            return snapshot[name].pressure
+            return pressure
         if self.quantity == "deformation":
             return heights
         if self.quantity == "uncertainty" and snapshot.prepared:
