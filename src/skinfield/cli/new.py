@@ -15,6 +15,7 @@ from skinfield.cli.settings import Elastomer
 from skinfield.errors import FileError, InputError
 from skinfield.files.layouts.positions import METRES, Positions, read_positions
 from skinfield.files.layouts.repair import Content, Draft, Finding, mend
+from skinfield.plot import plural
 from skinfield.settings import Positive
 from skinfield.skin import Patch, Skin
 from skinfield.skin.geometry import nearest_distance
@@ -155,9 +156,10 @@ def _taxels(
     for finding in findings:
         report.note(f"{finding.severity}: {finding.message}", "yellow")
     for patch in skin:
-        size = " x ".join(f"{side * 1e3:.4g}" for side in np.ptp(patch.positions, axis=0))
-        pitch = f"{patch.pitch * 1e3:.4g} mm apart" if len(patch) > 1 else "alone"
-        report.note(f"{patch.name}: {len(patch)} taxels, {pitch}, over {size} mm")
+        sides = np.ptp(patch.positions, axis=0)
+        size = " x ".join(f"{side * 1e3:.4g}" for side in (sides if sides[2] else sides[:2]))
+        over = f", {patch.pitch * 1e3:.4g} mm apart, over {size} mm" if len(patch) > 1 else ""
+        report.note(f"{plural(len(patch), 'taxel')}{over}")
     return found
 
 
