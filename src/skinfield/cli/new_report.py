@@ -226,8 +226,9 @@ def _lines(
         f"{_range(review.noise)}; {plural(lost, 'taxel')} left out"
     )
     if made.polarity is not None:
-        way = {1: "rise", -1: "fall", 0: "are taken to rise (too few presses to tell)"}
-        yield f"counts {way[made.polarity.direction]} when pressed"
+        way = {1: "rise", -1: "fall", 0: "are taken to rise"}[made.polarity.direction]
+        unsure = "" if made.polarity.direction else ": too few presses to tell"
+        yield f"counts {way} when pressed{unsure}"
     if not rows:
         yield "nothing presses in this log: record one of some presses on the skin at rest"
         return
