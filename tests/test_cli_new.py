@@ -388,13 +388,24 @@ def real(name: str) -> str:
     return str(path)
 
 
+def of_page(stem: str) -> list[list[str]]:
+    """Commands of the page "Your own array" on the files of others that make this skin."""
+    page = Path(__file__).parents[1] / "docs" / "tutorials" / "own-array.md"
+    lines = [line[2:] for line in page.read_text().splitlines() if line.startswith("$ skinfield")]
+    return [shlex.split(line)[1:] for line in lines if f" -o {stem}" in line]
+
+
 def test_a_foot_of_an_icub() -> None:
-    made = result_of("new", "--positions", real(FOOT), "--log", real(TIPPING), "--yes")
+    Path("left_foot.txt").symlink_to(real(FOOT))
+    Path("icub").symlink_to(Path(real(TIPPING)).parents[1])
+    first, force = of_page("foot")
+    made = result_of(*first)
+    assert "foretold" in run(*force)
     assert made["taxels"] == 250
     notes = " ".join(made["notes"])
     assert "taken as iCub bytes" in notes
     assert "40 of 250 taxels are frozen with their whole board" in notes
-    assert 'profile = "icub"' in Path("my_skin.toml").read_text()
+    assert 'profile = "icub"' in Path("foot.toml").read_text()
 
 
 @pytest.mark.parametrize("file", FABRIC)
@@ -409,6 +420,10 @@ def test_a_fabric_taxel_beside_a_force_sensor(file: str) -> None:
     fit, check = (shlex.split(command)[1:] for command in made["next"])
     run(*fit)
     tried = result_of(*check)
+    if file == FABRIC[1]:
+        Path(Path(file).name).symlink_to(log)
+        for words in of_page("fabric"):
+            run(*words)
     assert tried["rmse_N"] < 0.4 * tried["constant_rmse_N"]
 
 
