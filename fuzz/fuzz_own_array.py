@@ -1,4 +1,4 @@
-"""Own arrays: any bytes are positions of taxels, also in a picture, a log by its columns, or refused."""
+"""Own arrays: any bytes are positions, or a picture of them, a log by its columns, or refused."""
 
 import tempfile
 from contextlib import suppress
@@ -7,8 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from skinfield.errors import FileError, InputError
-from skinfield.files.layouts.picture import positions_in_picture
-from skinfield.files.layouts.positions import read_positions
+from skinfield.files.layouts.positions import positions_in_picture, read_positions
 from skinfield.files.recordings.columns import (
     guess_columns,
     guess_load_cell,

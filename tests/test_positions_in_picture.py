@@ -9,7 +9,7 @@ from any_bytes import ANYTHING, damaged
 from hypothesis import given, settings
 
 from skinfield.errors import FileError, Floats, InputError
-from skinfield.files.layouts.picture import positions_in_picture
+from skinfield.files.layouts.positions import positions_in_picture
 
 Image = pytest.importorskip("PIL.Image")
 GROUND, DOT = np.array([236.0, 232.0, 225.0]), np.array([70.0, 50.0, 40.0])

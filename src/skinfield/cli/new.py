@@ -13,8 +13,13 @@ from skinfield.cli.profiles import profile_of
 from skinfield.cli.questions import Questions, one_of, positive
 from skinfield.cli.settings import Elastomer
 from skinfield.errors import FileError, InputError
-from skinfield.files.layouts.picture import is_picture, positions_in_picture
-from skinfield.files.layouts.positions import METRES, Positions, read_positions
+from skinfield.files.layouts.positions import (
+    METRES,
+    Positions,
+    is_picture,
+    positions_in_picture,
+    read_positions,
+)
 from skinfield.files.layouts.repair import Content, Draft, Finding, mend
 from skinfield.plot import plural
 from skinfield.settings import Positive
