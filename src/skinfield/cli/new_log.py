@@ -61,8 +61,8 @@ def log_settings_for(
     )  # fmt: skip
     if cell is not None:
         newtons = factor_of(None, "N", (cell,))
-        why = ", by its name" if newtons != 1.0 else ""
-        note(f"load cell {cell!r} is in {'N' if newtons == 1.0 else f'{newtons:g} N'}{why}")
+        its = "is in N" if newtons == 1.0 else f"1 is taken as {newtons:g} N, by its name"
+        note(f"load cell {cell!r}: {its}")
     chosen = ask.answer(
         "--columns", f"Columns of the taxels, of {shortlist(found.names)}", flags.columns,
         cols.guess_columns(found, (time, cell)),
