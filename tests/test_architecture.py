@@ -63,7 +63,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
     "skfem": {"lab"},
     "trimesh": {"simulate"},
     "h5py": {"files"},
-    "PIL": {"plot", "simulate"},  # comes with matplotlib
+    "PIL": {"files", "plot", "simulate"},  # comes with matplotlib
     "can": {"wire"},
     "serial": {"wire"},
     "mcap": {"files"},

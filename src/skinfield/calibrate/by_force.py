@@ -307,13 +307,19 @@ def _alike(table: Floats, patterns: Floats, places: Floats, length: float) -> Fl
     return alike
 
 
-def _direction(table: Floats) -> float:
-    """-1 where pressure lowers counts: taxels agree on their rest, not on how far they go."""
+def _direction(table: Floats, labels: Floats) -> float:
+    """-1 where pressure lowers counts: taxels agree on their rest, not on how far they go.
+
+    Of a single taxel labels tell that are next to none at one end, without load.
+    """
 
     def disagree(ends: Floats) -> float:
         return float(np.abs(ends - np.median(ends)).mean())
 
     low, high = disagree(table.min(axis=0)), disagree(table.max(axis=0))
+    ends = np.sort(np.abs([labels.min(), labels.max()]))
+    if low == high and ends[0] < REST * ends[1]:
+        return 1.0 if np.cov(table.sum(axis=1), np.abs(labels))[0, 1] >= 0.0 else -1.0
     if low == high:  # presses are the longer tail
         return 1.0 if np.sum((table - np.median(table, axis=0)) ** 3) >= 0.0 else -1.0
     return 1.0 if low < high else -1.0
@@ -458,7 +464,7 @@ def _fit(patch: Patch, table: Floats, labels: Floats, axis: int) -> ForceFit:
     """Calibration by labels (T,); an InputError where they have nothing to do with the skin."""
     design = _design(patch, table)
     first = 1 + design.modes.shape[1]  # of the gains
-    sense = _direction(table)
+    sense = _direction(table, labels)
     seen = _sign_and_rest(sense * table, labels)
     labels = seen["sign"] * labels
     its = _Regression(design.columns(table), labels)

@@ -1,6 +1,6 @@
 """`skinfield new`: a skin's file from positions of its taxels and a log of it."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -13,8 +13,15 @@ from skinfield.cli.profiles import profile_of
 from skinfield.cli.questions import Questions, one_of, positive
 from skinfield.cli.settings import Elastomer
 from skinfield.errors import FileError, InputError
-from skinfield.files.layouts.positions import METRES, Positions, read_positions
+from skinfield.files.layouts.positions import (
+    METRES,
+    Positions,
+    is_picture,
+    positions_in_picture,
+    read_positions,
+)
 from skinfield.files.layouts.repair import Content, Draft, Finding, mend
+from skinfield.plot import plural
 from skinfield.settings import Positive
 from skinfield.skin import Patch, Skin
 from skinfield.skin.geometry import nearest_distance
@@ -44,6 +51,8 @@ def new(
     calibration: str | None = None,
     axes: str | None = None,
     lengths: str | None = None,
+    pitch_mm: Annotated[float | None, Positive("distance of neighbours")] = None,
+    width_mm: Annotated[float | None, Positive("from the leftmost to the rightmost taxel")] = None,
     pad_mm: Annotated[float | None, Positive("diameter of a pad")] = None,
     patch: options.PatchName = None,
     material: str | None = None,
@@ -59,13 +68,15 @@ def new(
       skinfield new
       skinfield new --positions taxels.csv --log log.csv --time t --columns 'ch*' --yes
       skinfield new --positions grid:rows=8,cols=8,pitch_mm=4 --log log.csv --thickness-mm 3 --yes
+      skinfield new --positions photo.jpg --pitch-mm 5 --log log.csv --yes
       skinfield reconstruct log.csv --skin my_skin.toml
 
     Parameters
     ----------
     positions : str, optional
         Where the taxels are: a CSV of x, y (and z) with any column names, a grid such as
-        grid:rows=8,cols=8,pitch_mm=4, a layout file of a maker, or a generator by name.
+        grid:rows=8,cols=8,pitch_mm=4, a picture of equal dots on a plain ground (.png, .jpg), a
+        layout file of a maker, or a generator by name.
     log : str, optional
         A log of the skin, or none: CSV with any column names, or a recording of a known format.
     time : str, optional
@@ -90,6 +101,10 @@ def new(
         Columns of the positions, such as u,v. Default those named x, y and z.
     lengths : str, optional
         Unit of the positions: mm, cm, m or inch. Default by name and size.
+    pitch_mm : float, mm, optional
+        Distance of neighbours, of the dots of a picture.
+    width_mm : float, mm, optional
+        Or the distance from the leftmost to the rightmost one.
     pad_mm : float, mm, optional
         Diameter of a pad. Default 4 mm, or 0.8 pitches on a finer skin.
     material : str, optional
@@ -98,12 +113,15 @@ def new(
     ask = Questions(yes)
     report.check_output("--output", output, True, ".toml")
     picture = report.picture_if_drawable(str(Path(output).with_suffix(".png")))
+    if positions is not None and picture is not None and Path(positions) == Path(picture):
+        raise InputError(f"{picture} is the positions and would be written over: choose another -o")
     for name in filter(None, (output, picture)):
         if Path(name).exists():
             ask.confirm(f"{name} is there already: write over it?")
     if calibration is not None:
         options.check_calibration(calibration)
-    skin, where, findings, names = _taxels(ask, positions, axes, lengths, pad_mm)
+    how = PlacesFlags(axes, lengths, pitch_mm, width_mm, pad_mm)
+    skin, where, findings, names = _taxels(ask, positions, how)
     its = options.patch_of(skin, patch)
     file = ask.answer("--log", "A log of it (or none)", log, "none", _there, optional=True)
     settings, known = LogSettings(), None
@@ -137,17 +155,27 @@ def _there(text: str) -> str:
     return text
 
 
+@dataclass(frozen=True)
+class PlacesFlags:
+    """What flags say of positions."""
+
+    axes: str | None
+    lengths: str | None
+    pitch_mm: float | None
+    width_mm: float | None
+    pad_mm: float | None
+
+
 def _taxels(
-    ask: Questions, positions: str | None, axes: str | None, lengths: str | None, pad: float | None
+    ask: Questions, positions: str | None, how: PlacesFlags
 ) -> tuple[Skin, str, tuple[Finding, ...], tuple[str, ...]]:
     """Skin where the taxels are, its source, findings, and names of its taxels if there are any."""
 
     def read(text: str) -> tuple[Skin, str, tuple[Finding, ...], tuple[str, ...]]:
-        words = [word.strip() for word in axes.split(",")] if axes else []
-        return _skin_of(ask, text, words, lengths, pad)
+        return _skin_of(ask, text, how)
 
     found = ask.answer(
-        "--positions", f"Where are the taxels? A CSV, a maker's file, or such as {EXAMPLE}",
+        "--positions", f"Where are the taxels? A CSV, a picture, a maker's file, or {EXAMPLE}",
         positions, None, read,
     )  # fmt: skip
     assert found is not None
@@ -155,33 +183,38 @@ def _taxels(
     for finding in findings:
         report.note(f"{finding.severity}: {finding.message}", "yellow")
     for patch in skin:
-        size = " x ".join(f"{side * 1e3:.4g}" for side in np.ptp(patch.positions, axis=0))
-        pitch = f"{patch.pitch * 1e3:.4g} mm apart" if len(patch) > 1 else "alone"
-        report.note(f"{patch.name}: {len(patch)} taxels, {pitch}, over {size} mm")
+        sides = np.ptp(patch.positions, axis=0)
+        size = " x ".join(f"{side * 1e3:.4g}" for side in (sides if sides[2] else sides[:2]))
+        over = f", {patch.pitch * 1e3:.4g} mm apart, over {size} mm" if len(patch) > 1 else ""
+        report.note(f"{plural(len(patch), 'taxel')}{over}")
     return found
 
 
 def _skin_of(
-    ask: Questions, text: str, axes: list[str], lengths: str | None, pad: float | None
+    ask: Questions, text: str, how: PlacesFlags
 ) -> tuple[Skin, str, tuple[Finding, ...], tuple[str, ...]]:
     """What `--positions` means."""
     from skinfield.files.layouts.load import fitting_formats, read_layout
     from skinfield.files.layouts.text import read_bytes
 
-    if lengths is not None:
-        one_of(tuple(METRES))(lengths)
-    path = Path(text)
+    if how.lengths is not None:
+        one_of(tuple(METRES))(how.lengths)
+    path, pad = Path(text), how.pad_mm
+    head = read_bytes(path) if path.is_file() else b""
+    if not is_picture(head) and (how.pitch_mm or how.width_mm):
+        raise InputError("--pitch-mm and --width-mm are of a picture, expected none beside others")
     if not path.exists():
-        head, colon, rest = text.partition(":")
-        if head.strip() == "grid":  # the usual word for it
+        name, colon, rest = text.partition(":")
+        if name.strip() == "grid":  # the usual word for it
             text = f"rectangular{colon}{rest.replace('cols=', 'columns=')}"
         return _with_pad(options.skin_from_text(text), pad), text, (), ()
-    if path.is_dir() or fitting_formats(read_bytes(path)):
-        if axes or lengths:
-            raise InputError("--axes and --lengths are of a CSV, expected none beside a layout")
+    of_maker = path.is_dir() or bool(fitting_formats(head))
+    if (of_maker or is_picture(head)) and (how.axes or how.lengths):
+        raise InputError("--axes and --lengths are of a CSV, expected none beside others")
+    if of_maker and not is_picture(head):
         skin, findings = read_layout(path)
         return _with_pad(skin, pad), text, findings, ()
-    table = _positions(ask, path, axes, lengths)
+    table = (_dots if is_picture(head) else _positions)(ask, path, how)
     flat = not np.ptp(table.positions[:, 2])
     up = np.tile([0.0, 0.0, 1.0], (len(table.positions), 1)) if flat else None
     draft = Draft(
@@ -193,9 +226,23 @@ def _skin_of(
     return skin, text, findings, table.names
 
 
-def _positions(ask: Questions, path: Path, axes: list[str], lengths: str | None) -> Positions:
+def _dots(ask: Questions, path: Path, how: PlacesFlags) -> Positions:
+    """Positions in a picture, to a scale that was given or asked for."""
+    pitch = how.pitch_mm
+    if pitch is None and how.width_mm is None and ask.terminal:
+        pitch = ask.answer("--pitch-mm", "Distance of neighbouring taxels, mm", None, None,
+                           positive("--pitch-mm", "distance of neighbours"))  # fmt: skip
+    pitch, width = (None if mm is None else mm * 1e-3 for mm in (pitch, how.width_mm))
+    table = positions_in_picture(path, pitch, width)
+    for said in table.notes:
+        report.note(said)
+    return table
+
+
+def _positions(ask: Questions, path: Path, how: PlacesFlags) -> Positions:
     """Table of positions, in a unit that was given, asked for, or found."""
-    table = read_positions(path, axes, lengths)  # type: ignore[arg-type]
+    axes = [word.strip() for word in how.axes.split(",")] if how.axes else []
+    table = read_positions(path, axes, how.lengths)  # type: ignore[arg-type]
     for said in table.notes:
         report.note(said)
     if table.guessed and ask.terminal and len(table.positions) > 1:

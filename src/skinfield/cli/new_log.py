@@ -61,8 +61,8 @@ def log_settings_for(
     )  # fmt: skip
     if cell is not None:
         newtons = factor_of(None, "N", (cell,))
-        why = "by its name" if newtons != 1.0 else "1 of it is 1 N"
-        note(f"load cell {cell!r}: 1 is taken as {newtons:g} N, {why}")
+        its = "is in N" if newtons == 1.0 else f"1 is taken as {newtons:g} N, by its name"
+        note(f"load cell {cell!r}: {its}")
     chosen = ask.answer(
         "--columns", f"Columns of the taxels, of {shortlist(found.names)}", flags.columns,
         cols.guess_columns(found, (time, cell)),
@@ -245,6 +245,15 @@ def check_unit(log: str, settings: LogSettings) -> None:
             )
 
 
+def load_of(log: str, settings: LogSettings) -> Floats | None:
+    """What the load cell of a log measures, N; None without one."""
+    if settings.load_cell is None:
+        return None
+    newtons = factor_of(None, "N", (settings.load_cell,))
+    alone = cols.only(settings, settings.load_cell)
+    return np.asarray(open_recording(log, log=alone).counts[:, 0] * newtons)
+
+
 def told_by_presses(log: str, settings: LogSettings) -> tuple[LogSettings, Polarity | None]:
     """Settings with whose counts they are and a guess of their gain, as the presses tell."""
     if not settings.columns or settings.unit != "count":
@@ -262,7 +271,7 @@ def told_by_presses(log: str, settings: LogSettings) -> tuple[LogSettings, Polar
             "65535 with their rest in them: log them before it is taken off, or add one number "
             "to all of them, such as 1000; or say another --unit"
         )
-    found = find_polarity(counts)
+    found = find_polarity(counts, load_of(log, settings))
     rest = float(np.nanmedian(found.rest))
     if rest == 0.0:
         return replace(settings, board="cyskin"), found

@@ -2,7 +2,7 @@
 
 import shlex
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from skinfield.cli import options, report
-from skinfield.cli.calibration_inputs import factor_of
+from skinfield.cli.new_log import FEWEST, load_of
 from skinfield.cli.report import Column
 from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import Floats, InputError
 from skinfield.files.layouts.repair import Finding
 from skinfield.plot import plural
-from skinfield.signal.polarity import Polarity, presses_in
+from skinfield.signal.polarity import Polarity, idle_under, presses_in
 from skinfield.skin import Skin
 from skinfield.skin.log import LogSettings
 
@@ -130,7 +130,10 @@ def review_log(made: NewSkin, file: str) -> LogReview:
     plan = JobPlan.of(file, None, options.CountSettings(), Elastomer(), ModelSettings())
     recording = readings_for(open_recording(made.log, log=plan.log), plan.patch)
     quantity = options.quantity_of(plan.model.quantity or options.OF_UNIT[recording.unit])
+    cell = load_of(made.log, plan.log)
     how = options.conditioning_of(plan.patch, plan.counts)
+    if cell is not None:
+        how = replace(how, tare=_unloaded(recording.time, cell))
     layer = options.layer_of(plan.elastomer)
     readings, survey = condition(recording, plan.patch, layer, quantity, how)
     counted = survey.conditioner.calibration
@@ -146,17 +149,19 @@ def review_log(made: NewSkin, file: str) -> LogReview:
     else:
         rest, noise = np.nanmedian(recording.counts, axis=0), survey.noise_std
     over = np.nan_to_num(readings / survey.noise_std)
-    strong = np.flatnonzero(over.max(axis=1) > STANDS_OUT)
+    load = np.nan_to_num(readings).max(axis=1) if cell is None else np.abs(cell)
+    pressed = over.max(axis=1) > STANDS_OUT if cell is None else ~idle_under(cell)
     gap = max(int(APART * survey.rate), 1)
-    presses = presses_in(strong, np.nan_to_num(readings).max(axis=1), gap)
-    seconds, cell = recording.time, None
-    if plan.log.load_cell is not None:
-        from skinfield.files.recordings import columns
+    presses = presses_in(np.flatnonzero(pressed), load, gap)
+    return LogReview(plan, recording.time, readings, survey, rest, noise, usable, presses, cell)
 
-        alone = columns.only(plan.log, plan.log.load_cell)
-        newtons = factor_of(None, "N", (plan.log.load_cell,))
-        cell = open_recording(made.log, log=alone).counts[:, 0] * newtons
-    return LogReview(plan, seconds, readings, survey, rest, noise, usable, presses, cell)
+
+def _unloaded(seconds: Floats, load: Floats) -> tuple[float, float] | None:
+    """Begin and end, s, of the longest stretch in which a load is next to none; None: too short."""
+    edges = np.flatnonzero(np.diff(np.r_[False, idle_under(load), False]))
+    begin, end = max(zip(edges[::2], edges[1::2], strict=True), key=lambda each: each[1] - each[0],
+                     default=(0, 0))  # fmt: skip
+    return (seconds[begin], seconds[end - 1]) if end - begin >= FEWEST else None
 
 
 def first_contacts(review: LogReview, names: tuple[str, ...]) -> list[dict[str, Any]]:
@@ -221,8 +226,9 @@ def _lines(
         f"{_range(review.noise)}; {plural(lost, 'taxel')} left out"
     )
     if made.polarity is not None:
-        way = {1: "rise", -1: "fall", 0: "are taken to rise (too few presses to tell)"}
-        yield f"counts {way[made.polarity.direction]} when pressed"
+        way = {1: "rise", -1: "fall", 0: "are taken to rise"}[made.polarity.direction]
+        unsure = "" if made.polarity.direction else ": too few presses to tell"
+        yield f"counts {way} when pressed{unsure}"
     if not rows:
         yield "nothing presses in this log: record one of some presses on the skin at rest"
         return
@@ -249,10 +255,10 @@ def next_commands(made: NewSkin, output: str, review: LogReview | None) -> list[
         return [f"skinfield run {skin}"]
     stem = str(Path(output).with_suffix(""))
     log, cal = shlex.quote(str(made.log)), shlex.quote(f"{stem}_cal.toml")
-    force = f"skinfield calibrate force {log} {log if review.cell is not None else 'scale.csv'}"
-    force += f" --skin {skin} -o {cal}"
+    scale = log if review.cell is not None else "scale.csv"
+    force = f"skinfield calibrate force {log} {scale} --skin {skin} -o {cal}"
     if len(made.skin[0]) == 1:
-        return [force, f"skinfield calibrate check {cal} {log} --skin {skin}"]
+        return [force, f"skinfield calibrate check {cal} {log} {scale} --skin {skin}"]
     contacts = shlex.quote(f"{stem}_contacts.csv")
     answer = f"skinfield reconstruct {log} --skin {skin} -o {contacts}"
     if review.cell is not None:

@@ -172,7 +172,7 @@ def draw_log(
         for box, values, title in zip(boxes[1:], (rest, noise), ("rest", "noise"), strict=True):
             words = f"{title} ({unit})"
             _draw_map(figure, figure.add_axes(box), patch, values, usable, words, words)
-        axes = figure.add_axes((0.06, 0.08, 0.92, 0.28))
+        axes = figure.add_axes((0.075, 0.08, 0.905, 0.28))
         _draw_readings(axes, names, time_s, readings, presses, quantity)
     return figure
 
@@ -202,6 +202,7 @@ def _draw_map(
         box = axes.get_position()
         bar = figure.add_axes((box.x1 + 0.004, box.y0, 0.008, box.height))
         figure.colorbar(dots, cax=bar).ax.tick_params(labelsize=6.5)
+        bar.ticklabel_format(useOffset=False, axis="y")
     open_axes(axes)
 
 

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 HUES = ["#e69f00", "#56b4e9", "#009e73", "#f0e442", "#0072b2", "#d55e00", "#cc79a7"]
 WIDTH, LEFT, RIGHT, ABOVE, BELOW, HEAD = 6.4, 0.75, 0.25, 0.6, 0.55, 0.35  # of a panel, inches
 MOST_NUMBERED = 40  # modules; more of them cannot be read
+MOST_NAMED = 150  # taxels; numbers of more cannot be read
 
 
 def draw_layout(skin: Skin) -> "Figure":
@@ -235,6 +236,9 @@ def _draw_flat(axes: "Axes", patch: Patch, words: str = "flat, seen from outside
     for module in modules if 1 < len(modules) <= MOST_NUMBERED else ():
         x, y = plane[patch.module == module].mean(axis=0)
         axes.text(x, y, str(module), color=INK, **look)
+    if len(modules) == 1 < len(patch) <= MOST_NAMED:
+        for taxel, (x, y) in enumerate(plane):
+            axes.text(x, y, str(taxel), color=INK, fontsize=5.5, ha="center", va="center")
     frame_axes(axes, patch, extent_of_pads(patch))
     add_title(axes, "", patch.name, f"{_note(patch)}, {words}")
 
