@@ -46,6 +46,7 @@ atexit.register(write)
 leave = os._exit
 os._exit = lambda code=0: (write(), leave(code))
 """
+LAST_HEAVY = "skinfield.solve.atoms.atom_readings.predict"  # of `njit(heavy=True)`
 COMMANDS = {"reconstruct": "demo -o {}/demo.png", "run": "warmup"}
 
 
@@ -79,6 +80,7 @@ def main() -> None:
     seconds = {name: told_short(its) for each in by_use.values() for name, its in each.items()}
     seconds = {name: its for name, its in seconds.items() if sum(its.values()) >= 0.05}
     uses = {use: [name for name in each if name in seconds] for use, each in by_use.items()}
+    uses["heavy"] = uses["reconstruct"][: uses["reconstruct"].index(LAST_HEAVY) + 1]
     fit = next(i for i, name in enumerate(uses["run"]) if ".solve.atoms." in name)
     uses["linear"] = uses["run"][:fit]
     OUT.write_text(json.dumps({"seconds": seconds, "uses": uses}, indent=1) + "\n")

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 
 DEFAULT_PRESSES = ("13,-12,3,10", "-16,8,2,6")  # mm, mm, N, mm
 PICTURE = "demo.png"
+INTERPRETED = (
+    "interpreted, as nothing is compiled on this machine yet: that has begun in the background and "
+    "takes about a minute (`skinfield warmup`); a reading then takes less than a millisecond"
+)
 FAR = 8e-3  # m: a contact beyond is not of this press
 AGAINST = (
     Column("press", "press", decimals=0), Column("true N", "force_N", decimals=2),
@@ -57,7 +61,9 @@ def demo(
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default demo.png, or a name that is free.
     """
+    from skinfield.compiled import MODE
     from skinfield.plot import duration
+    from skinfield.processes import start_python
     from skinfield.simulate import press as pressed
 
     picture = output
@@ -99,6 +105,9 @@ def demo(
         yield report.table_of_contacts(estimate.contacts, f"Contacts, by {estimate.solver}")
         yield report.table_of("Against the known truth (–: missed)", rows, AGAINST)
         yield _total(balls, estimate)
+        if MODE.interpreted:
+            yield INTERPRETED
+            return
         later = np.median(timeit.repeat(lambda: reconstructor(readings), number=1, repeat=20))
         yield (
             f"latency: {duration(estimate.latency)}, {duration(float(later))} the next time, at "
@@ -106,6 +115,8 @@ def demo(
         )
 
     report.finish(as_json, result, [picture], lines())
+    if MODE.interpreted:
+        start_python("skinfield", "warmup", "--json")
 
 
 def _ball_of(text: str) -> "Sphere":

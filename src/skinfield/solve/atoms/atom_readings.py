@@ -178,7 +178,7 @@ def add_atom(
     return first, after
 
 
-@njit
+@njit(heavy=True)
 def predict(
     atoms: Floats, family: Any, taxels: Floats, tables: Tables, out: Floats, jacobian: Floats
 ) -> None:

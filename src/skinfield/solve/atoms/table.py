@@ -84,7 +84,7 @@ def cubic_slopes(t: float) -> tuple[float, float, float, float]:
     return -0.5 * s * s, 1.5 * t * t - 2.0 * t, 2.0 * s - 1.5 * s * s, 0.5 * t * t
 
 
-@njit
+@njit(heavy=True)
 def ring_sums(
     r: Floats, radii: Floats, forces: Floats, counts: Ints, point: PointResponse
 ) -> Floats:
