@@ -59,8 +59,8 @@ class CompileProgress(Listener):
     Parameters
     ----------
     use : {"reconstruct", "heavy", "linear", "run"}
-        A `Reconstructor` with the usual solver, the same after `interpret`, a live skin that answers linearly, or by the usual
-        solver.
+        A `Reconstructor` with the usual solver, the same after `interpret`, a live skin that
+        answers linearly, or by the usual solver.
     compiled : function of a name, optional
         Whether the cache holds an outermost function.
     clock : function, optional

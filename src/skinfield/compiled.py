@@ -35,6 +35,8 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, Flags
 from numba.core.registry import cpu_target
 
+from skinfield.processes import processors
+
 CONFIG: Any = numba.config
 UNLITERAL: Any = types.unliteral
 PACKAGE = Path(__file__).parent
@@ -90,8 +92,8 @@ def njit(function: Any = None, /, *, heavy: bool = False, **options: Any) -> Any
 @overload
 def inner(function: F, /) -> F: ...
 @overload
-def inner(**options: Any) -> Callable[[F], F]: ...
-def inner(function: Any = None, /, **options: Any) -> Any:
+def inner(*, heavy: bool = False, **options: Any) -> Callable[[F], F]: ...
+def inner(function: Any = None, /, *, heavy: bool = False, **options: Any) -> Any:
     """Compile a function that only compiled ones call: in half the time.
 
     It is part of what calls it, and of what the cache holds of that: there it is optimised, and
@@ -100,11 +102,13 @@ def inner(function: Any = None, /, **options: Any) -> Any:
     Parameters
     ----------
     function : callable
+    heavy : bool
+        See `njit`.
     **options
         Those of `numba.njit`.
     """
     if function is None:
-        return lambda function: inner(function, **options)
+        return lambda function: inner(function, heavy=heavy, **options)
     if CONFIG.DISABLE_JIT:
         return _interpreted(function)
     bare = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": InnerCompiler}
@@ -116,12 +120,27 @@ def inner(function: Any = None, /, **options: Any) -> Any:
         return template([UNLITERAL(each) for each in arguments], keywords)
 
     made.get_call_template = any_value
-    if MODE.interpreted:  # heavy ones call it compiled
-        kind: Any = types.Dispatcher
-        cpu_target.typing_context.insert_global(function, kind(made))
-        function.dispatcher = made  # which Numba knows weakly
-        return _interpreted(function)
-    return made
+    return _also_interpreted(made, heavy) if MODE.interpreted else made
+
+
+def _also_interpreted(made: Any, heavy: bool) -> Any:
+    """Function that heavy ones call compiled, and interpreted ones so only if it is heavy."""
+    kind: Any = types.Dispatcher
+    function = _entry(made) if heavy else made.py_func
+    cpu_target.typing_context.insert_global(function, kind(made))
+    function.dispatcher = made  # which Numba knows weakly
+    return _interpreted(function)
+
+
+def _entry(made: Any) -> Any:
+    """Function of Python that calls an inner one, compiled for it when it first does."""
+
+    def enter(*arguments: Any) -> Any:
+        return made(*arguments)
+
+    enter.__module__, enter.__qualname__ = made.py_func.__module__, made.py_func.__qualname__
+    entry = numba.njit(nogil=True)(enter)
+    return lambda *arguments: entry(*arguments)
 
 
 def _interpreted(function: Any) -> Any:
@@ -215,8 +234,7 @@ def parallel_compilation(script: str, function: Any) -> Iterator[None]:
         One by `njit` that the script calls last.
     """
     source = Path(function.py_func.__code__.co_filename)
-    allowed = getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 1))  # not on macOS
-    alone = MODE.interpreted or len(allowed(0)) == 1
+    alone = MODE.interpreted or processors() == 1
     if alone or is_cached(source, function.py_func.__qualname__):
         yield
         return

@@ -212,7 +212,7 @@ def main(words: Sequence[str] | None = None) -> None:
 
 
 def interpret_first(given: Iterable[str]) -> None:
-    """Interpret a machine's first demo, of the usual presses: compiled, it takes three times as long.
+    """Interpret a machine's first demo, of the usual presses: compiling takes far longer.
 
     It is for a process that does nothing else.
     """

@@ -118,7 +118,7 @@ def _depth(
     return force * scale / (1.0 - u), u, scale_slope, thinning
 
 
-@inner(_nrt=False)
+@inner(heavy=True, _nrt=False)
 def add_atom(
     n: int,
     atom: Floats,
@@ -178,7 +178,7 @@ def add_atom(
     return first, after
 
 
-@njit(heavy=True)
+@njit
 def predict(
     atoms: Floats, family: Any, taxels: Floats, tables: Tables, out: Floats, jacobian: Floats
 ) -> None:
