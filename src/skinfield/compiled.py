@@ -35,8 +35,6 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, Flags
 from numba.core.registry import cpu_target
 
-from skinfield.processes import processors
-
 CONFIG: Any = numba.config
 UNLITERAL: Any = types.unliteral
 PACKAGE = Path(__file__).parent
@@ -61,7 +59,7 @@ def interpret() -> None:
 def njit(function: F, /) -> F: ...
 @overload
 def njit(*, heavy: bool = False, **options: Any) -> Callable[[F], F]: ...
-def njit(function: Any = None, /, *, heavy: bool = False, **options: Any) -> Any:
+def njit(function: Any = None, /, **options: Any) -> Any:
     """Compile a function when it is first called, without the interpreter's lock, once per machine.
 
     Parameters
@@ -73,7 +71,8 @@ def njit(function: Any = None, /, *, heavy: bool = False, **options: Any) -> Any
         Those of `numba.njit`.
     """
     if function is None:
-        return lambda function: njit(function, heavy=heavy, **options)
+        return lambda function: njit(function, **options)
+    heavy = options.pop("heavy", False)
     if CONFIG.DISABLE_JIT or (MODE.interpreted and not heavy):
         return _interpreted(function)
     folder = cache_folder(Path(function.__code__.co_filename))
@@ -93,7 +92,7 @@ def njit(function: Any = None, /, *, heavy: bool = False, **options: Any) -> Any
 def inner(function: F, /) -> F: ...
 @overload
 def inner(*, heavy: bool = False, **options: Any) -> Callable[[F], F]: ...
-def inner(function: Any = None, /, *, heavy: bool = False, **options: Any) -> Any:
+def inner(function: Any = None, /, **options: Any) -> Any:
     """Compile a function that only compiled ones call: in half the time.
 
     It is part of what calls it, and of what the cache holds of that: there it is optimised, and
@@ -108,7 +107,8 @@ def inner(function: Any = None, /, *, heavy: bool = False, **options: Any) -> An
         Those of `numba.njit`.
     """
     if function is None:
-        return lambda function: inner(function, heavy=heavy, **options)
+        return lambda function: inner(function, **options)
+    heavy = options.pop("heavy", False)
     if CONFIG.DISABLE_JIT:
         return _interpreted(function)
     bare = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": InnerCompiler}
@@ -234,7 +234,8 @@ def parallel_compilation(script: str, function: Any) -> Iterator[None]:
         One by `njit` that the script calls last.
     """
     source = Path(function.py_func.__code__.co_filename)
-    alone = MODE.interpreted or processors() == 1
+    allowed = getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 1))  # not on macOS
+    alone = MODE.interpreted or len(allowed(0)) == 1
     if alone or is_cached(source, function.py_func.__qualname__):
         yield
         return
