@@ -61,7 +61,8 @@ def demo(
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default demo.png, or a name that is free.
     """
-    from skinfield.compiled import MODE
+    from skinfield.compile_progress import is_compiled, known_times
+    from skinfield.compiled import CONFIG, MODE
     from skinfield.plot import duration
     from skinfield.processes import start_python
     from skinfield.simulate import press as pressed
@@ -76,6 +77,7 @@ def demo(
     name = model.quantity or "capacitance"
     quantity = options.quantity_of(name)
     spread = quantity.typical_noise if noise is None else noise
+    is_first = MODE.interpreted and not CONFIG.DISABLE_JIT
     balls = [options.parsed("--press", text, _ball_of) for text in press or DEFAULT_PRESSES]
     extent = 2 * float(np.abs(patch.plane).max()) + 12e-3
     config = options.config_of(patch, layer, quantity, spread, options.filled(model, profile))
@@ -105,7 +107,7 @@ def demo(
         yield report.table_of_contacts(estimate.contacts, f"Contacts, by {estimate.solver}")
         yield report.table_of("Against the known truth (–: missed)", rows, AGAINST)
         yield _total(balls, estimate)
-        if MODE.interpreted:
+        if is_first:
             yield INTERPRETED
             return
         later = np.median(timeit.repeat(lambda: reconstructor(readings), number=1, repeat=20))
@@ -115,7 +117,7 @@ def demo(
         )
 
     report.finish(as_json, result, [picture], lines())
-    if MODE.interpreted:
+    if is_first and not is_compiled(known_times().uses["run"][0]):  # else one has begun before
         start_python("skinfield", "warmup", "--json")
 
 
