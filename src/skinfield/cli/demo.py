@@ -1,5 +1,6 @@
 """`skinfield demo`: the main job with nothing at hand."""
 
+import os
 import time
 import timeit
 from collections.abc import Iterator
@@ -118,7 +119,8 @@ def demo(
 
     report.finish(as_json, result, [picture], lines())
     if is_first and not is_compiled(known_times().uses["run"][0]):  # else one has begun before
-        start_python("skinfield", "warmup", "--json")
+        with open(os.devnull, "wb") as nowhere:
+            start_python("skinfield", "warmup", "--json", stderr=nowhere)
 
 
 def _ball_of(text: str) -> "Sphere":
