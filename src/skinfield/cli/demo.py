@@ -4,6 +4,7 @@ import os
 import time
 import timeit
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -119,7 +120,7 @@ def demo(
 
     report.finish(as_json, result, [picture], lines())
     if is_first and not is_compiled(known_times().uses["run"][0]):  # else one has begun before
-        with open(os.devnull, "wb") as nowhere:
+        with Path(os.devnull).open("wb") as nowhere:
             start_python("skinfield", "warmup", "--json", stderr=nowhere)
 
 
