@@ -46,11 +46,23 @@ atexit.register(write)
 leave = os._exit
 os._exit = lambda code=0: (write(), leave(code))
 """
-COMMANDS = {"reconstruct": "demo -o {}/demo.png", "run": "warmup"}
+COMMANDS = {
+    "reconstruct": "demo --press 13,-12,3,10 --press -16,8,2,6 -o {}/demo.png",  # not interpreted
+    "run": "warmup",
+}
+INTERPRETED = """
+from skinfield.compiled import interpret
+interpret()
+from skinfield import Layer, Reconstructor, layouts
+from skinfield.simulate import Sphere, press
+patch, layer = layouts.icub_triangle(), Layer()
+pressed = press(layer, [Sphere(radius=6e-3, force=1.0)], extent=40e-3, cell=0.5e-3)
+Reconstructor(patch, layer)(pressed.readings(patch.plane, patch.pad_diameter, "capacitance"))
+"""
 
 
-def times_of(command: str) -> dict[str, dict[str, float]]:
-    """Seconds by outermost function and function, of all processes of a command."""
+def times_of(*words: str) -> dict[str, dict[str, float]]:
+    """Seconds by outermost function and function, of all processes of a command of Python."""
     found: dict[str, dict[str, float]] = {}
     with tempfile.TemporaryDirectory() as folder:
         for name in ("site", "cache", "times"):
@@ -59,8 +71,8 @@ def times_of(command: str) -> dict[str, dict[str, float]]:
         path = os.pathsep.join([f"{folder}/site", str(OUT.parents[1])])
         own = {"NUMBA_CACHE_DIR": f"{folder}/cache", "COMPILE_TIMES": f"{folder}/times"}
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
-        words = [sys.executable, "-m", "skinfield", *command.format(folder).split()]
-        subprocess.run(words, env=os.environ | own | {"PYTHONPATH": path}, check=True)
+        command = [sys.executable, *(word.replace("{}", folder) for word in words)]
+        subprocess.run(command, env=os.environ | own | {"PYTHONPATH": path}, check=True)
         for file in sorted(Path(folder, "times").iterdir(), key=lambda each: each.stat().st_mtime):
             for outermost, seconds in json.loads(file.read_text()).items():
                 found.setdefault(outermost, seconds)
@@ -75,7 +87,8 @@ def told_short(seconds: dict[str, float]) -> dict[str, float]:
 
 def main() -> None:
     """Measure, and write."""
-    by_use = {use: times_of(command) for use, command in COMMANDS.items()}
+    by_use = {use: times_of("-m", "skinfield", *its.split()) for use, its in COMMANDS.items()}
+    by_use["heavy"] = times_of("-c", INTERPRETED)
     seconds = {name: told_short(its) for each in by_use.values() for name, its in each.items()}
     seconds = {name: its for name, its in seconds.items() if sum(its.values()) >= 0.05}
     uses = {use: [name for name in each if name in seconds] for use, each in by_use.items()}

@@ -19,7 +19,7 @@ from numba.core.event import Listener, install_listener
 
 from skinfield.compiled import PACKAGE, is_cached
 
-Use = Literal["reconstruct", "linear", "run"]
+Use = Literal["reconstruct", "heavy", "linear", "run"]
 FILE = Path(__file__).with_name("compile_times.json")
 TRUST = 5.0  # s of known times, after which a machine's own pace counts for half
 LOOKS = 0.5  # s from look to look what other processes have compiled
@@ -58,9 +58,9 @@ class CompileProgress(Listener):
 
     Parameters
     ----------
-    use : {"reconstruct", "linear", "run"}
-        A `Reconstructor` with the usual solver, a live skin that answers linearly, or by the usual
-        solver.
+    use : {"reconstruct", "heavy", "linear", "run"}
+        A `Reconstructor` with the usual solver, the same after `interpret`, a live skin that
+        answers linearly, or by the usual solver.
     compiled : function of a name, optional
         Whether the cache holds an outermost function.
     clock : function, optional

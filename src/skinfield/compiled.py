@@ -4,6 +4,9 @@ Numba looks for a function's machine code by the file of that function alone: af
 function that it calls, or of a constant of another file, it would go on with what they were. So the
 code of a module's kernels lies in a folder named after all sources that the module imports, what
 those import in turn, the versions of the compilers, and their settings.
+
+With `interpret`, or NUMBA_DISABLE_JIT=1, kernels are plain Python: the same answers but for
+rounding, a hundred times later, and at once where there is no machine code yet.
 """
 
 import hashlib
@@ -22,6 +25,7 @@ from contextlib import contextmanager
 from functools import cache
 from operator import attrgetter
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, TypeVar, overload
 
 import llvmlite
@@ -29,6 +33,7 @@ import numba
 from numba import types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler, Flags
+from numba.core.registry import cpu_target
 
 CONFIG: Any = numba.config
 UNLITERAL: Any = types.unliteral
@@ -38,27 +43,38 @@ IMPORT = re.compile(
     rb"^[ \t]*(?:from (skinfield[\w.]*) import (\([^)]*\)|[^\n]*)|import (skinfield[\w.]*))", re.M
 )
 VALUES = attrgetter("_values")  # of a compilation's settings, as far as they are set
+MODE = SimpleNamespace(interpreted=bool(CONFIG.DISABLE_JIT))  # of kernels loaded from now on
 LOCK = threading.Lock()  # of Numba's setting of the folder
 NO_CODE = ("NUMBA_CACHE_DIR", "NUMBA_NUM_THREADS", "NUMBA_DEBUG_CACHE")  # what they change
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
+def interpret() -> None:
+    """Interpret the kernels of modules that are loaded from now on, but for the heavy ones."""
+    MODE.interpreted = True
+
+
 @overload
 def njit(function: F, /) -> F: ...
 @overload
-def njit(**options: Any) -> Callable[[F], F]: ...
+def njit(*, heavy: bool = False, **options: Any) -> Callable[[F], F]: ...
 def njit(function: Any = None, /, **options: Any) -> Any:
     """Compile a function when it is first called, without the interpreter's lock, once per machine.
 
     Parameters
     ----------
     function : callable
+    heavy : bool
+        Compile it after `interpret` too: interpreted, it would take longer than to compile.
     **options
         Those of `numba.njit`.
     """
     if function is None:
         return lambda function: njit(function, **options)
+    heavy = options.pop("heavy", False)
+    if CONFIG.DISABLE_JIT or (MODE.interpreted and not heavy):
+        return _interpreted(function)
     folder = cache_folder(Path(function.__code__.co_filename))
     with LOCK:
         before = CONFIG.CACHE_DIR
@@ -75,7 +91,7 @@ def njit(function: Any = None, /, **options: Any) -> Any:
 @overload
 def inner(function: F, /) -> F: ...
 @overload
-def inner(**options: Any) -> Callable[[F], F]: ...
+def inner(*, heavy: bool = False, **options: Any) -> Callable[[F], F]: ...
 def inner(function: Any = None, /, **options: Any) -> Any:
     """Compile a function that only compiled ones call: in half the time.
 
@@ -85,11 +101,16 @@ def inner(function: Any = None, /, **options: Any) -> Any:
     Parameters
     ----------
     function : callable
+    heavy : bool
+        See `njit`.
     **options
         Those of `numba.njit`.
     """
     if function is None:
         return lambda function: inner(function, **options)
+    heavy = options.pop("heavy", False)
+    if CONFIG.DISABLE_JIT:
+        return _interpreted(function)
     bare = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": InnerCompiler}
     made = numba.njit(**{"nogil": True, **bare, **options})(function)
     template = made.get_call_template
@@ -99,7 +120,33 @@ def inner(function: Any = None, /, **options: Any) -> Any:
         return template([UNLITERAL(each) for each in arguments], keywords)
 
     made.get_call_template = any_value
-    return made
+    return _also_interpreted(made, heavy) if MODE.interpreted else made
+
+
+def _also_interpreted(made: Any, heavy: bool) -> Any:
+    """Function that heavy ones call compiled, and interpreted ones so only if it is heavy."""
+    kind: Any = types.Dispatcher
+    function = _entry(made) if heavy else made.py_func
+    cpu_target.typing_context.insert_global(function, kind(made))
+    function.dispatcher = made  # which Numba knows weakly
+    return _interpreted(function)
+
+
+def _entry(made: Any) -> Any:
+    """Function of Python that calls an inner one, compiled for it when it first does."""
+
+    def enter(*arguments: Any) -> Any:
+        return made(*arguments)
+
+    enter.__module__, enter.__qualname__ = made.py_func.__module__, made.py_func.__qualname__
+    entry = numba.njit(nogil=True)(enter)
+    return lambda *arguments: entry(*arguments)
+
+
+def _interpreted(function: Any) -> Any:
+    """The function, with the `py_func` that compiled ones have."""
+    function.py_func = function
+    return function
 
 
 class QuickFlags(Flags):
@@ -177,7 +224,7 @@ def parallel_compilation(script: str, function: Any) -> Iterator[None]:
 
     Numba compiles one function at a time in each process. Afterwards this one loads the code; what
     the other could not compile is compiled here when it is called. None is started where a function
-    of those was compiled before, nor on one processor.
+    of those was compiled before, nor on one processor, nor where they are interpreted.
 
     Parameters
     ----------
@@ -188,7 +235,8 @@ def parallel_compilation(script: str, function: Any) -> Iterator[None]:
     """
     source = Path(function.py_func.__code__.co_filename)
     allowed = getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 1))  # not on macOS
-    if len(allowed(0)) == 1 or is_cached(source, function.py_func.__qualname__):
+    alone = MODE.interpreted or len(allowed(0)) == 1
+    if alone or is_cached(source, function.py_func.__qualname__):
         yield
         return
     quiet = subprocess.DEVNULL

@@ -9,6 +9,12 @@ ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 Child = subprocess.Popen[bytes]
 
 
+def processors() -> int:
+    """Number of those that this process may use."""
+    allowed = getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 1))  # not on macOS
+    return len(allowed(0))
+
+
 def start_python(
     module: str,
     *words: str,

@@ -1,8 +1,10 @@
 """`skinfield demo`: the main job with nothing at hand."""
 
+import os
 import time
 import timeit
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -18,6 +20,10 @@ if TYPE_CHECKING:
 
 DEFAULT_PRESSES = ("13,-12,3,10", "-16,8,2,6")  # mm, mm, N, mm
 PICTURE = "demo.png"
+INTERPRETED = (
+    "interpreted, as nothing is compiled on this machine yet: that has begun in the background and "
+    "takes about a minute (`skinfield warmup`); a reading then takes less than a millisecond"
+)
 FAR = 8e-3  # m: a contact beyond is not of this press
 AGAINST = (
     Column("press", "press", decimals=0), Column("true N", "force_N", decimals=2),
@@ -57,7 +63,10 @@ def demo(
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default demo.png, or a name that is free.
     """
+    from skinfield.compile_progress import is_compiled, known_times
+    from skinfield.compiled import CONFIG, MODE
     from skinfield.plot import duration
+    from skinfield.processes import start_python
     from skinfield.simulate import press as pressed
 
     picture = output
@@ -70,6 +79,7 @@ def demo(
     name = model.quantity or "capacitance"
     quantity = options.quantity_of(name)
     spread = quantity.typical_noise if noise is None else noise
+    is_first = MODE.interpreted and not CONFIG.DISABLE_JIT
     balls = [options.parsed("--press", text, _ball_of) for text in press or DEFAULT_PRESSES]
     extent = 2 * float(np.abs(patch.plane).max()) + 12e-3
     config = options.config_of(patch, layer, quantity, spread, options.filled(model, profile))
@@ -99,6 +109,9 @@ def demo(
         yield report.table_of_contacts(estimate.contacts, f"Contacts, by {estimate.solver}")
         yield report.table_of("Against the known truth (–: missed)", rows, AGAINST)
         yield _total(balls, estimate)
+        if is_first:
+            yield INTERPRETED
+            return
         later = np.median(timeit.repeat(lambda: reconstructor(readings), number=1, repeat=20))
         yield (
             f"latency: {duration(estimate.latency)}, {duration(float(later))} the next time, at "
@@ -106,6 +119,9 @@ def demo(
         )
 
     report.finish(as_json, result, [picture], lines())
+    if is_first and not is_compiled(known_times().uses["run"][0]):  # else one has begun before
+        with Path(os.devnull).open("wb") as nowhere:
+            start_python("skinfield", "warmup", "--json", stderr=nowhere)
 
 
 def _ball_of(text: str) -> "Sphere":

@@ -20,6 +20,7 @@ from typing import Literal, NamedTuple
 from rich.table import Table
 
 from skinfield.cli import options, report
+from skinfield.processes import processors
 
 State = Literal["OK", "note", "missing"]
 COLOURS = {"OK": "green", "note": "yellow", "missing": "red bold"}
@@ -126,7 +127,7 @@ def machine() -> Iterator[Row]:
     from skinfield.loop.realtime.system import values_of
 
     model = values_of("/proc/cpuinfo").get("model name\t") or platform.machine()
-    allowed = len(getattr(os, "sched_getaffinity", lambda _: range(os.cpu_count() or 1))(0))
+    allowed = processors()
     few = allowed < 2
     remedy = "one core is shared by engine, page and skin: cycles will be late" if few else ""
     memory = values_of("/proc/meminfo").get("MemAvailable", "").removesuffix(" kB")

@@ -3,7 +3,7 @@
 import inspect
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib.metadata import version
 from typing import Any, NamedTuple
 
@@ -17,6 +17,8 @@ from skinfield.errors import FileError, SkinfieldError
 from skinfield.settings import SettingError, nearest
 
 FAILED, INTERRUPTED = 2, 130  # exit codes: an error of the user's input, Ctrl-C
+USUAL = frozenset({"output", "force", "as_json", "seed"})  # flags of a demo of the usual presses
+ANSWER = "skinfield.solve.atoms.reading_kernel.answer_reading"  # what takes longest to compile
 PLAIN = Box("    \n" * 8)  # no lines around help
 WIDEST = 100  # columns of help
 
@@ -186,7 +188,7 @@ def main(words: Sequence[str] | None = None) -> None:
     """
     from threadpoolctl import threadpool_limits
 
-    words = sys.argv[1:] if words is None else words
+    alone, words = words is None, sys.argv[1:] if words is None else words
     app = app_for(words)
     try:
         with threadpool_limits(limits=1):
@@ -195,6 +197,8 @@ def main(words: Sequence[str] | None = None) -> None:
             )
             if command.__module__.startswith("skinfield."):  # not --help
                 check_values(command, bound.arguments)
+            if alone and words[0] == "demo":
+                interpret_first(bound.arguments)
             code = command(*bound.args, **bound.kwargs)
     except KeyboardInterrupt:
         code = INTERRUPTED
@@ -205,6 +209,18 @@ def main(words: Sequence[str] | None = None) -> None:
         print(f"Error: {text}", file=sys.stderr)  # noqa: T201 - the program's own words
         code = FAILED
     sys.exit(code if isinstance(code, int) else 0)
+
+
+def interpret_first(given: Iterable[str]) -> None:
+    """Interpret a machine's first demo, of the usual presses: compiling takes far longer.
+
+    It is for a process that does nothing else.
+    """
+    from skinfield.compile_progress import is_compiled
+    from skinfield.compiled import interpret
+
+    if USUAL.issuperset(given) and not is_compiled(ANSWER):
+        interpret()
 
 
 def _console() -> Any:

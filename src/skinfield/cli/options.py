@@ -1,7 +1,6 @@
 """Options that commands share, and the objects that they stand for: the only list of variants."""
 
 import inspect
-import os
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, fields, is_dataclass, replace
 from math import ceil, inf
@@ -25,6 +24,7 @@ from skinfield.cli.settings import (
 )
 from skinfield.errors import FileError, InputError
 from skinfield.page.settings import PageSettings
+from skinfield.processes import processors
 from skinfield.settings import Positive, Range, Section, from_plain, text_of_file
 from skinfield.skin.log import BoardName, LogSettings
 
@@ -453,5 +453,4 @@ def patch_of(skin: "sf.Skin", name: str | None) -> "sf.Patch":
 
 def processes(workers: int | None) -> int:
     """How many processes work at once: as many as are asked for, else one for each core."""
-    allowed = getattr(os, "sched_getaffinity", None)  # not on every system
-    return workers or (len(allowed(0)) if allowed else os.cpu_count() or 1)
+    return workers or processors()

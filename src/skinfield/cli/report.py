@@ -70,8 +70,9 @@ def progress(
 def compilation(*, quiet: bool = False) -> Iterator[None]:
     """Bar on stderr of what is compiled for this machine, or lines; nothing if nothing is."""
     from skinfield.compile_progress import followed
+    from skinfield.compiled import MODE
 
-    with followed("reconstruct") as compiling:
+    with followed("heavy" if MODE.interpreted else "reconstruct") as compiling:
         if quiet:
             yield
             return

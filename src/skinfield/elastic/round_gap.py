@@ -240,7 +240,7 @@ def _rule(before: float, behind: float, length: float) -> tuple[int, int]:
     return FAR, FAR + NEAR
 
 
-@njit(error_model="numpy")
+@njit(heavy=True, error_model="numpy")
 def _layer(surface: Floats, points: Floats, weight: Floats, at: Floats) -> tuple[Floats, Floats]:
     """Potential at the surface's nodes and charge below them, per density at the nodes."""
     count = len(surface)
@@ -272,7 +272,7 @@ def _layer(surface: Floats, points: Floats, weight: Floats, at: Floats) -> tuple
     return potential, below
 
 
-@njit(error_model="numpy")
+@njit(heavy=True, error_model="numpy")
 def _add_means(nodes: Floats, at: Floats, share: Floats, pad: Ints, out: Floats) -> None:
     """Add to means over pads (N, M) what points add, which are in order."""
     start = 0

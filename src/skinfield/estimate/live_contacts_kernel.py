@@ -58,9 +58,9 @@ def find_rows(
         region, row = listed[place], out[place]
         mine = cells[starts[region] : starts[region + 1]]
         total = describe(pressure, mine, numbers, row)
-        row.patch, row.force_std, row.place_std = patch, np.nan, np.nan
-        row.shape, row.maybe, row.radius = 0, 0, np.sqrt(row.area / np.pi)
-        row.area_std, covariance = np.nan, row.covariance
+        row["patch"], row["force_std"], row["place_std"] = patch, np.nan, np.nan
+        row["shape"], row["maybe"], row["radius"] = 0, 0, np.sqrt(row["area"] / np.pi)
+        row["area_std"], covariance = np.nan, row["covariance"]
         for number in range(6):
             covariance[number] = np.nan
         if numbers[SIGN] != 0.0:
@@ -112,8 +112,8 @@ def move_rows(
     """Move contacts in the plane by a shift (2,), m, onto another patch; see `take_rows`."""
     for place in range(len(rows)):
         row = rows[place]
-        row.x, row.y = row.x + shift[0], row.y + shift[1]
-        u, v = (row.x - numbers[X]) / numbers[PITCH], (row.y - numbers[Y]) / numbers[PITCH]
+        row["x"], row["y"] = row["x"] + shift[0], row["y"] + shift[1]
+        u, v = (row["x"] - numbers[X]) / numbers[PITCH], (row["y"] - numbers[Y]) / numbers[PITCH]
         put_on(row, u, v, positions, normals, int(numbers[COLUMNS]))
 
 
@@ -201,10 +201,10 @@ def describe(pressure: Floats, cells: Ints, numbers: Floats, row: Any) -> float:
         xy += pressure[cell] * dx * dy
     share = pitch * pitch / total
     own = pitch * pitch / 12.0  # of a cell
-    moments = row.moments
+    moments = row["moments"]
     moments[0], moments[1], moments[2] = share * xx + own, share * yy + own, share * xy
-    row.cells, row.area, row.peak_pressure = len(cells), len(cells) * pitch * pitch, peak
-    row.x, row.y = x, y
+    row["cells"], row["area"], row["peak_pressure"] = len(cells), len(cells) * pitch * pitch, peak
+    row["x"], row["y"] = x, y
     return float(total)
 
 
@@ -213,16 +213,16 @@ def stand(
     pressure: Floats, cells: Ints, positions: Floats, normals: Floats, numbers: Floats, row: Any
 ) -> None:
     """Set place and normal on the skin, between four nodes, and the force along that normal."""
-    columns, pitch, x, y = int(numbers[COLUMNS]), numbers[PITCH], row.x, row.y
+    columns, pitch, x, y = int(numbers[COLUMNS]), numbers[PITCH], row["x"], row["y"]
     put_on(row, x, y, positions, normals, columns)
-    outward, force = row.normal, 0.0
+    outward, force = row["normal"], 0.0
     for axis in range(3):
         along = 0.0
         for cell in cells:
             along += pressure[cell] * normals[cell, axis]
         force += along * outward[axis]
-    row.normal_force = force * pitch * pitch
-    row.x, row.y = numbers[X] + x * pitch, numbers[Y] + y * pitch
+    row["normal_force"] = force * pitch * pitch
+    row["x"], row["y"] = numbers[X] + x * pitch, numbers[Y] + y * pitch
 
 
 @inner
@@ -233,7 +233,7 @@ def put_on(row: Any, x: float, y: float, positions: Floats, normals: Floats, col
     low = min(max(int(y), 0), max(rows - 2, 0))
     right, high = min(left + 1, columns - 1), min(low + 1, rows - 1)
     u, v, square = x - left, y - low, 0.0
-    position, outward = row.position, row.normal
+    position, outward = row["position"], row["normal"]
     for axis in range(3):
         place, normal = 0.0, 0.0
         for corner in range(4):
@@ -260,7 +260,7 @@ def deviations(
     row: Any,
 ) -> None:
     """Set the covariance of place and force, as a `Contact` has it, and deviations of both."""
-    columns, pitch, x, y = int(numbers[COLUMNS]), numbers[PITCH], row.x, row.y
+    columns, pitch, x, y = int(numbers[COLUMNS]), numbers[PITCH], row["x"], row["y"]
     stride = (len(cells) - 1) // CELLS + 1
     used = (len(cells) - 1) // stride + 1
     moved[:3] = 0.0
@@ -273,7 +273,7 @@ def deviations(
             moved[0, taxel] += value
             moved[1, taxel] += dx * value
             moved[2, taxel] += dy * value
-    covariance = row.covariance
+    covariance = row["covariance"]
     for number in range(6):
         covariance[number] = 0.0
     sign = 1.0 if numbers[SIGN] > 0.0 else -1.0
@@ -320,9 +320,9 @@ def add_products(
 @inner
 def state_deviations(row: Any) -> None:
     """Set one standard deviation of the force, and of the place along either tangent."""
-    covariance = row.covariance
-    row.force_std = np.sqrt(covariance[FORCE_FORCE])
-    row.place_std = np.sqrt(0.5 * (covariance[XX] + covariance[YY]))
+    covariance = row["covariance"]
+    row["force_std"] = np.sqrt(covariance[FORCE_FORCE])
+    row["place_std"] = np.sqrt(0.5 * (covariance[XX] + covariance[YY]))
 
 
 @njit
@@ -334,10 +334,10 @@ def number_rows(memory: TrackMemory, many: int, now: int, rows: Any) -> None:
     """
     for place in range(many):
         row, contact, total = rows[place], memory.contacts[place], 0.0
-        mean, covariance, stated = contact.mean, contact.covariance, row.covariance
-        mean[0], mean[1], mean[2] = row.x, row.y, row.normal_force
-        place_std = row.place_std if np.isfinite(row.place_std) else memory.rules[0].floor
-        force_std = row.force_std if np.isfinite(row.force_std) else FORCE_FLOOR * mean[2]
+        mean, covariance, stated = contact.mean, contact.covariance, row["covariance"]
+        mean[0], mean[1], mean[2] = row["x"], row["y"], row["normal_force"]
+        place_std = row["place_std"] if np.isfinite(row["place_std"]) else memory.rules[0].floor
+        force_std = row["force_std"] if np.isfinite(row["force_std"]) else FORCE_FLOOR * mean[2]
         for number in range(6):
             total += stated[number]
         for i in range(3):
@@ -350,5 +350,5 @@ def number_rows(memory: TrackMemory, many: int, now: int, rows: Any) -> None:
         known = memory.tracks[place]
         if known.column >= 0:
             row, mean = rows[known.column], known.mean
-            row.track, row.age = known.number, 1e-9 * (memory.words[NOW] - known.made)
-            row.speed = np.hypot(mean[3], mean[4])
+            row["track"], row["age"] = known.number, 1e-9 * (memory.words[NOW] - known.made)
+            row["speed"] = np.hypot(mean[3], mean[4])

@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.compiled import MODE
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats
 from skinfield.estimate import Contact, ModelError, PressureError, PressureNoise
@@ -240,6 +241,8 @@ class ContactFit(FitSettings):
         assert physics is not None  # the fitter checks it
         renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
         operator = ContactOperator(self, model, fitter, renderer)
+        if MODE.interpreted:
+            return operator
         data = operator.data()
         for reading in fitter.touches():  # a first reading is as fast as the next
             soon = time.perf_counter_ns() + 10**9  # too soon to tabulate other mechanics

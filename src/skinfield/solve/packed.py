@@ -5,7 +5,9 @@ sixty arrays lasts 10 µs, and functions that call each other with them compile 
 all is a table of numbers and addresses, of which compiled code reads what it needs when it does.
 """
 
+from collections.abc import MutableMapping
 from typing import Any
+from weakref import WeakValueDictionary
 
 import numba
 import numpy as np
@@ -18,6 +20,7 @@ from numba.extending import infer_getattr, intrinsic, lower_getattr_generic, reg
 from numba.np import arrayobj
 from numpy.typing import NDArray
 
+from skinfield.compiled import MODE
 from skinfield.errors import Ints
 
 WORD: Any = ir.IntType(64)
@@ -89,6 +92,7 @@ class Packed:
         self._table = np.zeros(its.size, np.int64)
         _fill(self._table, value, its)
         self.address = int(self._table.ctypes.data)
+        PACKED[self.address] = self
 
     def put(self, name: str, part: Any) -> None:
         """Take another named tuple for one that is a field; the address stays."""
@@ -99,6 +103,9 @@ class Packed:
     def __reduce__(self) -> tuple[Any, ...]:
         """A copy has arrays elsewhere."""
         return Packed, (self.value, self.its)
+
+
+PACKED: MutableMapping[int, Packed] = WeakValueDictionary()  # those alive, by address
 
 
 def _fill(table: Ints, value: Any, its: PackedType) -> None:
@@ -122,6 +129,8 @@ def _check(name: str, part: NDArray[Any], kind: Any) -> None:
 
 def unpacking(its: PackedType) -> Any:
     """Compiled function from the address of a table to the named tuple."""
+    if MODE.interpreted:
+        return lambda address: PACKED[address].value
 
     @intrinsic
     def unpack(context: Any, address: Any) -> Any:

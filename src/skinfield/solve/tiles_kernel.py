@@ -11,6 +11,7 @@ tile t from `firsts[t]` to `firsts[t + 1]`, of the taxels in `taxels` (B,). The 
 """
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from numba.core.errors import TypingError
 from numba.extending import intrinsic
 from numpy.typing import NDArray
 
-from skinfield.compiled import njit
+from skinfield.compiled import MODE, njit
 
 Numbers = NDArray[Any]
 Ints32 = NDArray[np.int32]
@@ -142,7 +143,28 @@ def _tile_product(patches: int) -> Any:
         arrays = values, taxels, factors, out
         return types.void(*arrays, INDEX, INDEX, INDEX, INDEX, sizes_type), generate
 
-    return intrinsic(add_tile)
+    return partial(_add_tile, patches) if MODE.interpreted else intrinsic(add_tile)
+
+
+def _add_tile(
+    patches: int,
+    values: Numbers,
+    taxels: Ints32,
+    factors: Numbers,
+    out: Numbers,
+    start: int,
+    cell: int,
+    begin: int,
+    end: int,
+    sizes: tuple[int, int, int],
+) -> None:
+    """The same, interpreted."""
+    pitch, inputs, outputs = sizes
+    for patch in range(start, start + patches):
+        given = factors.reshape(-1)[patch * inputs + taxels[begin:end]]
+        tile = given @ values.reshape(-1, LANES)[begin:end]
+        at = patch * outputs + cell + pitch * np.arange(SIDE)[:, None] + np.arange(SIDE)
+        out.reshape(-1)[at] += tile.reshape(SIDE, SIDE)
 
 
 def _add_rows(builder: Any, tile: Any, field: Any, corner: Any, pitch: Any) -> None:

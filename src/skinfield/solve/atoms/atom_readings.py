@@ -118,7 +118,7 @@ def _depth(
     return force * scale / (1.0 - u), u, scale_slope, thinning
 
 
-@inner(_nrt=False)
+@inner(heavy=True, _nrt=False)
 def add_atom(
     n: int,
     atom: Floats,

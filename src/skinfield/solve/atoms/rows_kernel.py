@@ -411,18 +411,22 @@ def write_covariance(drawing: Drawing, count: int, body: int, row: Any) -> None:
 
     Atoms are independent; the small balls of a ring move as one.
     """
-    total, ring, variance, out = row.normal_force, drawing.sums[1, body], 0.0, row.covariance
+    total, ring, variance, out = row["normal_force"], drawing.sums[1, body], 0.0, row["covariance"]
     for number in range(6):
         out[number] = 0.0
     for n in range(body, body + 1 if ring > 0.0 else count):
         if drawing.owner[n] != body:
             continue
         atom, known = drawing.atoms[n], drawing.covariance[n]
-        share, off_x, off_y = atom[2] / total, (atom[0] - row.x) / total, (atom[1] - row.y) / total
+        share, off_x, off_y = (
+            atom[2] / total,
+            (atom[0] - row["x"]) / total,
+            (atom[1] - row["y"]) / total,
+        )
         wider, longer = 2.0 * np.pi * atom[3] + 4.0 * atom[4], 4.0 * atom[3]  # m² per m
         if ring > 0.0:
-            share, off_x, off_y, wider, longer = 1.0, 0.0, 0.0, row.area / ring, 0.0
-        elif row.shape == OTHER:
+            share, off_x, off_y, wider, longer = 1.0, 0.0, 0.0, row["area"] / ring, 0.0
+        elif row["shape"] == OTHER:
             free = free_border(drawing, count, body, n)
             wider, longer = free * wider, free * longer
         force, x_force, y_force = known[2, 2], share * known[0, 2], share * known[1, 2]
@@ -435,7 +439,7 @@ def write_covariance(drawing: Drawing, count: int, body: int, row: Any) -> None:
         out[FORCE_FORCE] += force
         variance += wider * wider * known[3, 3] + longer * longer * known[4, 4]
         variance += 2.0 * wider * longer * known[3, 4]
-    row.area_std = np.sqrt(max(variance, 0.0))
+    row["area_std"] = np.sqrt(max(variance, 0.0))
     state_deviations(row)
 
 
@@ -469,14 +473,14 @@ def describe_body(
                 at_x, at_y = low_x + u * (high_x - low_x), low_y + v * (high_y - low_y)
                 inside += is_inside(drawing, count, body, at_x, at_y)
         area = (high_x - low_x) * (high_y - low_y) * inside / FINE**2
-    row.shape, row.maybe, row.radius = OTHER, 0, np.sqrt(area / np.pi)
+    row["shape"], row["maybe"], row["radius"] = OTHER, 0, np.sqrt(area / np.pi)
     if members == 1:
         atom = drawing.atoms[body]
-        row.maybe = drawing.maybe[body]
-        row.shape, row.radius = PLANE if drawing.family[body] == FLAT else SPHERE, atom[3]
+        row["maybe"] = drawing.maybe[body]
+        row["shape"], row["radius"] = PLANE if drawing.family[body] == FLAT else SPHERE, atom[3]
         if atom[4] > LINE * atom[3]:
-            row.shape, row.radius = SEGMENT, np.sqrt(area / np.pi)
-    row.area, row.normal_force, row.x, row.y = area, total, x, y
+            row["shape"], row["radius"] = SEGMENT, np.sqrt(area / np.pi)
+    row["area"], row["normal_force"], row["x"], row["y"] = area, total, x, y
     write_covariance(drawing, count, body, row)
     spread(grid, drawing, count, body, pressure, (low_y, high_y), peak, row)
     if members > 1 and drawing.errors[2] > UNSURE:
@@ -487,11 +491,11 @@ def describe_body(
 @inner
 def widen(error: float, row: Any) -> None:
     """Add to the covariance of a body of several atoms what all of them are wrong by together."""
-    covariance, moments = row.covariance, row.moments
+    covariance, moments = row["covariance"], row["moments"]
     covariance[XX] += error * error * moments[0]
     covariance[YY] += error * error * moments[1]
     covariance[XY] += error * error * moments[2]
-    covariance[FORCE_FORCE] += (HIDDEN[1] * error * row.normal_force) ** 2
+    covariance[FORCE_FORCE] += (HIDDEN[1] * error * row["normal_force"]) ** 2
     state_deviations(row)
 
 
@@ -507,7 +511,7 @@ def spread(
     row: Any,
 ) -> None:
     """Write the cells of a body, their peak, and the second moments of its pressure."""
-    mesh, cells, moments, terms = grid.mesh, 0, row.moments, np.empty(TERMS)
+    mesh, cells, moments, terms = grid.mesh, 0, row["moments"], np.empty(TERMS)
     low = max(int(np.ceil((heights[0] - mesh.y) / mesh.pitch)), 0)
     high = min(int(np.floor((heights[1] - mesh.y) / mesh.pitch)), mesh.rows - 1)
     for i in range(low, high + 1):
@@ -520,22 +524,22 @@ def spread(
     for n in range(count):
         if drawing.owner[n] != body:
             continue
-        atom, share = drawing.atoms[n], drawing.atoms[n, 2] / row.normal_force
-        x, y = atom[0] - row.x, atom[1] - row.y
+        atom, share = drawing.atoms[n], drawing.atoms[n, 2] / row["normal_force"]
+        x, y = atom[0] - row["x"], atom[1] - row["y"]
         own = profile_spread(drawing.family[n], held(atom[3], grid.surface), grid.surface, terms)
         square = atom[4] * atom[4] / 3.0  # of even points on a segment
         east, north = np.cos(atom[5]), np.sin(atom[5])
         moments[0] += share * (own + square * east * east + x * x)
         moments[1] += share * (own + square * north * north + y * y)
         moments[2] += share * (square * east * north + x * y)
-    row.cells, row.peak_pressure = max(cells, 1), peak
+    row["cells"], row["peak_pressure"] = max(cells, 1), peak
 
 
 @inner(_nrt=False)
 def stand(grid: RowGrid, row: Any) -> None:
     """Write the place and the outward normal on the skin, between four nodes."""
     mesh = grid.mesh
-    x, y = (row.x - mesh.x) / mesh.pitch, (row.y - mesh.y) / mesh.pitch
+    x, y = (row["x"] - mesh.x) / mesh.pitch, (row["y"] - mesh.y) / mesh.pitch
     put_on(row, x, y, grid.positions, grid.normals, mesh.columns)
 
 

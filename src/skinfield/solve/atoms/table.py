@@ -20,6 +20,7 @@ import math
 import os
 import tempfile
 from collections.abc import Hashable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from functools import lru_cache
 from pathlib import Path
@@ -31,6 +32,7 @@ import numpy as np
 from skinfield.compiled import cache_folder, inner, njit
 from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Physics
 from skinfield.errors import Floats, Ints
+from skinfield.processes import processors
 from skinfield.skin import Grid, Patch
 
 if TYPE_CHECKING:
@@ -84,7 +86,7 @@ def cubic_slopes(t: float) -> tuple[float, float, float, float]:
     return -0.5 * s * s, 1.5 * t * t - 2.0 * t, 2.0 * s - 1.5 * s * s, 0.5 * t * t
 
 
-@njit
+@njit(heavy=True)
 def ring_sums(
     r: Floats, radii: Floats, forces: Floats, counts: Ints, point: PointResponse
 ) -> Floats:
@@ -393,15 +395,18 @@ def _nonlinear(
     out = np.empty((len(families), len(radii), DEGREE + 1, len(distances)))
     strain = np.empty((len(families), len(radii)))
     smooth = RoundGap.of(pad / h, distances / h)
-    for row, family in enumerate(families):
-        for index, radius in enumerate(radii):
-            gap = smooth
-            if family != BALL or radius < SHARP * h:  # the surface is steep, or bent, at edges
-                edges = np.array(_rim(layer, radius) if family == RING else (radius,))
-                gap = RoundGap.of(pad / h, distances / h, edges / h)
-            each = unit_indentation(layer, physics.mechanics, family, radius, gap.nodes * h) / h
-            strain[row, index] = top = each.max()
-            readings = gap.readings(depths[:, None] * (each / top))
-            reduced = readings * ((1 - depths) / depths)[:, None]
-            out[row, index] = fit @ reduced
+
+    def tabulate_one(row: int, index: int) -> None:
+        family, radius, gap = families[row], radii[index], smooth
+        if family != BALL or radius < SHARP * h:  # the surface is steep, or bent, at edges
+            edges = np.array(_rim(layer, radius) if family == RING else (radius,))
+            gap = RoundGap.of(pad / h, distances / h, edges / h)
+        each = unit_indentation(layer, physics.mechanics, family, radius, gap.nodes * h) / h
+        strain[row, index] = top = each.max()
+        readings = gap.readings(depths[:, None] * (each / top))
+        reduced = readings * ((1 - depths) / depths)[:, None]
+        out[row, index] = fit @ reduced
+
+    with ThreadPoolExecutor(processors()) as pool:  # nearly all of it runs without the lock
+        list(pool.map(tabulate_one, *np.indices(strain.shape).reshape(2, -1).tolist()))
     return out, strain
