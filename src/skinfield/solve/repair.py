@@ -63,7 +63,9 @@ def readings_of(
     places = model.taxels / taxel_distance(model.taxels, model.grid.pitch)
     unsure = None
     if fit is not None:
-        unsure = np.abs(model.matrix @ solution.operator.pressure_std(solution))
+        spread = solution.operator.pressure_std(solution)
+        unsure = np.zeros(len(noise))
+        unsure[~valid] = np.abs(model.matrix[~valid] @ spread)
     known = valid, noise, places, unlinearised(predict()), parameters, unsure
     value, std = repaired(read - rest, *known)
     return np.where(valid, read, value + rest), std
