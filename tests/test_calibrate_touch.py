@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -83,8 +84,36 @@ def test_a_reconstructor_knows_the_skin_by_it() -> None:
 
 
 def test_too_few_touches_are_refused() -> None:
-    with pytest.raises(InputError, match=r"hold 0 touches .* expected 20 or more"):
+    with pytest.raises(InputError, match=r"hold 0 touches .* expected 20 or more.* add 20 or more"):
         sf.calibrate.touch(PATCH, np.zeros((100, 36)), noise_std=NOISE)
+
+
+def test_few_touches_are_enough_though_some_are_left_out_and_say_how_little_they_tell() -> None:
+    """Of 25 on a skin that is more unlike its model than stated: by noise five times as large."""
+    readings, gain, _ = touches()
+    strong = readings[readings.max(axis=1) > 0.006][:25]
+    made = sf.calibrate.touch(PATCH, strong, noise_std=NOISE / 5.0)
+    assert made.presses + made.left_out == 25
+    assert 12 <= made.presses <= 20
+    assert abs(made.thickness - 2.3e-3) < made.thickness_std
+    assert made.thickness_std > found().thickness_std
+    assert abs(made.poisson_ratio - 0.47) < made.poisson_std
+    far = np.abs(np.log(made.gain / gain)) / (made.gain_std / made.gain)
+    assert np.mean(far < 1.96) > 0.8
+
+
+def test_touches_of_no_ball_are_refused_and_the_message_says_how_many_more_it_takes() -> None:
+    squares = np.where(np.arange(20)[:, None] < 11, np.ones((20, 36)), 1e4)
+    fit: Any = SimpleNamespace(
+        aim=lambda state: None,
+        misfit=lambda state: squares,
+        data=SimpleNamespace(heard=np.ones((20, 36), np.bool_)),
+    )
+    state: Any = None
+    with pytest.raises(InputError, match=r"^11 of 20 touches are .* expected 12 .* add 2 or more"):
+        by_touch._balls(fit, state)
+    squares[11] = 1.0
+    assert by_touch._balls(fit, state).sum() == 12
 
 
 def test_what_cannot_be_calibrated_by_is_refused_with_the_reason() -> None:

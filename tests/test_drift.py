@@ -118,6 +118,18 @@ def test_an_idle_skin_that_drifts_is_silent_and_both_doors_agree() -> None:
     assert found == other
 
 
+@pytest.mark.parametrize("most", [0.06, -0.06])
+def test_a_board_that_warms_makes_no_contact(most: float) -> None:
+    """By several hundredths of C₀ in 40 s, on all taxels alike."""
+    rng, rec = np.random.default_rng(7), sf.Reconstructor(PATCH, LAYER, noise_std=NOISE)
+    rows, found, seconds = rec.rows(), [], np.arange(1, int(40 * RATE) + 1) / RATE
+    for at in seconds:
+        reading = most * -np.expm1(-at / 40.0) + rng.normal(0.0, NOISE, len(PATCH))
+        found.append(rec.into(reading, rows, stamp_ns=int(at * 1e9)))
+    assert np.mean(found) < 3e-3
+    assert not any(found[-500:])
+
+
 def test_patches_that_nothing_touches_are_followed_alike_together_and_alone() -> None:
     rng = np.random.default_rng(5)
     noise = np.full(72, NOISE)

@@ -76,6 +76,27 @@ def test_sigma_holds_beside_contacts(
     assert np.median(off) < better * np.median(np.abs(mean - truth))
 
 
+@pytest.mark.parametrize("radius", [8e-3, 10e-3, 16e-3])
+def test_a_peak_that_one_taxel_sees_is_what_the_contact_says(radius: float) -> None:
+    """Its neighbours read little, less than 0: the ring around the ball tells its force."""
+    body = sf.simulate.Sphere(radius=radius, position=(6e-3, -4e-3), force=2.0)
+    pressed = sf.simulate.press(sf.Layer(), [body])
+    reading = np.asarray(pressed.capacitance(PATCH.plane, PATCH.pad_diameter))
+    lost = int(np.argmax(reading))
+    assert np.delete(reading, lost).max() < 1e-3 < 0.15 < reading[lost]
+    rec = sf.Reconstructor(PATCH, sf.Layer(), noise_std=NOISE)
+    whole = rec(reading)
+    rec.reset()
+    part = rec(np.where(np.arange(len(PATCH)) == lost, np.nan, reading))
+    off, std = part.readings[lost] - reading[lost], part.readings_std[lost]
+    assert abs(off) < min(1.5 * std, 0.3 * reading[lost])
+    assert std < reading[lost]
+    (one,), (other,) = part.contacts, whole.contacts
+    assert one.force_std > other.force_std
+    assert abs(one.normal_force - other.normal_force) < one.force_std
+    assert abs(one.normal_force - 2.0) < 1.5 * one.force_std
+
+
 @pytest.mark.parametrize("quantity", [Capacitance(), BaseStress()])
 def test_what_was_measured_stays_and_nothing_depends_on_what_was_not(quantity: Any) -> None:
     rec = sf.Reconstructor(PATCH, quantity=quantity, solver=sf.GaussianField())

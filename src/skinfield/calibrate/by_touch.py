@@ -38,7 +38,7 @@ from skinfield.errors import (
 from skinfield.signal import Calibration
 from skinfield.skin import Patch
 
-LEAST = 20  # presses
+LEAST, BALLS = 20, 12  # presses, and those of them that a ball explains
 SILENT = 4.0  # deviations of a reading: a taxel that never reads more is dead, if it should
 FREEDOM = 4.0  # deviations of chi-squared, beyond which a press is no ball: it is left out
 SLACK = 1.5  # times the median press's chi-squared, above which it may be left out
@@ -277,7 +277,8 @@ def _presses(
         raise InputError(
             f"readings hold {len(found.readings)} touches above {STRONG:g} times the noise "
             f"({np.median(found.noise_std):.2g}), expected {LEAST} or more, better a hundred, all "
-            "over the patch; if their noise is another, state it (noise_std=, --noise)"
+            f"over the patch: add {LEAST - len(found.readings)} or more; if their noise is "
+            "another, state it (noise_std=, --noise)"
         )
     highest = float(np.percentile(np.nanmax(found.readings, axis=1), 90.0))
     if isinstance(quantity, Capacitance) and highest > MOST_READ:
@@ -399,14 +400,18 @@ def _begun_again(
 
 
 def _balls(fit: JointFit, state: State) -> NDArray[np.bool_]:
-    """Presses (T,) that a ball explains."""
+    """Presses (T,) that a ball explains.
+
+    Before gains are known that is a quarter of them less, on any skin unlike its model.
+    """
     fit.aim(state)
     squares, count = fit.misfit(state).sum(axis=1), fit.data.heard.sum(axis=1)
     most = count + FREEDOM * np.sqrt(2.0 * count)
     fine = squares <= np.maximum(most, SLACK * np.median(squares))
-    if fine.sum() < LEAST:
+    if fine.sum() < BALLS:
+        more = int(np.ceil((BALLS - fine.sum()) / max(fine.mean(), 0.1)))
         raise InputError(
-            f"{fine.sum()} of {len(fine)} touches are as a ball makes them, expected {LEAST} or "
-            "more: press with something round, one place at a time"
+            f"{fine.sum()} of {len(fine)} touches are as a ball makes them, expected {BALLS} or "
+            f"more: add {more} or more, with something round, one place at a time"
         )
     return np.asarray(fine)

@@ -4,6 +4,8 @@ An answer foretells a lost taxel as well as it explains the others, if enough ar
 On a skin unlike its model a few contacts more explain every reading, as a field always does, and
 say nothing of what lies between. There the neighbours tell more. Each of the two has an error that
 the other taxels tell; they are averaged by their variances, and where they disagree σ is wider.
+Under a narrow contact only the answer knows the peak: its contacts tell how sure they are of it,
+and, as far as they are believed, how far off the mean of the neighbours is.
 """
 
 from collections.abc import Callable
@@ -20,7 +22,8 @@ FELT = 1.2  # pitches: width of the surroundings of which an answer's error is a
 AROUND = 1.5  # pitches: width within which others' errors are those of a lost taxel
 NEAREST = 48  # taxels that are looked at
 LIKENESS = 0.05  # of what is read around: the least that an answer is off by
-TOUCHED = 3.0  # deviations
+TOUCHED, FORETOLD = 3.0, 1.0  # deviations that are read, or would be of the answer
+EVEN = 0.5  # odds against contacts that no other taxel tests
 ALONE = 1e3  # pitches: too far for a neighbour
 
 Flags = NDArray[np.bool_]
@@ -58,7 +61,12 @@ def readings_of(
         return np.array(read), noise
     parameters = np.inf if fit is None else fit.keep().parameters
     places = model.taxels / taxel_distance(model.taxels, model.grid.pitch)
-    known = valid, noise, places, unlinearised(predict()), parameters
+    unsure = None
+    if fit is not None:
+        spread = solution.operator.pressure_std(solution)
+        unsure = np.zeros(len(noise))
+        unsure[~valid] = np.abs(model.matrix[~valid] @ spread)
+    known = valid, noise, places, unlinearised(predict()), parameters, unsure
     value, std = repaired(read - rest, *known)
     return np.where(valid, read, value + rest), std
 
@@ -70,6 +78,7 @@ def repaired(
     places: Floats,
     predicted: Floats,
     parameters: float = np.inf,
+    unsure: Floats | None = None,
 ) -> tuple[Floats, Floats]:
     """Readings (L,) with those of lost taxels repaired, and the deviation of each.
 
@@ -84,22 +93,29 @@ def repaired(
         By the answer.
     parameters : float
         Numbers of the answer that these readings told. Default as many as there are.
+    unsure : (L,) array, optional
+        Deviation of what is predicted, by that of the contacts. Default: there are none.
     """
     from scipy.spatial import cKDTree
 
     if not valid.any():  # nothing is known
         return predicted, np.full(len(read), np.inf)
     read, std, lost = read.copy(), noise.copy(), np.flatnonzero(~valid)
-    known, values, own = places[valid], read[valid], noise[valid]
-    part = error_part(values, predicted[valid], own, parameters)
+    known, values, own, foretold = (each[valid] for each in (places, read, noise, predicted))
+    part = error_part(values, foretold, own, parameters)
     tree, ranks = cKDTree(known), np.arange(1, min(NEAREST, len(known)) + 1)
     for taxel in lost:
         apart, near = map(np.asarray, tree.query(places[taxel], k=ranks))
         around = np.exp(-np.square(apart / FELT)) @ np.square(values[near])
         mean, variance = neighbour_mean(known[near], values[near], own[near], apart)
+        if unsure is not None:  # contacts tell what lies between taxels
+            explained, _ = neighbour_mean(known[near], foretold[near], own[near], apart)
+            unseen = (predicted[taxel] - explained) ** 2 + unsure[taxel] ** 2
+            variance += (1.0 - EVEN * part) * unseen
         away = -np.expm1(-(max(apart[0] - 1.0, 0.0) ** 2))  # what is read elsewhere may be here
         unknown = away * np.square(values).mean()
-        answer = predicted[taxel], part * (predicted[taxel] ** 2 + around) + unknown
+        unlike = part * (predicted[taxel] ** 2 + around) + unknown
+        answer = predicted[taxel], unlike + (0.0 if unsure is None else unsure[taxel] ** 2)
         read[taxel], std[taxel] = averaged(answer, (mean, variance + unknown), noise[taxel])
     return read, std
 
@@ -123,7 +139,7 @@ def error_part(read: Floats, predicted: Floats, noise: Floats, parameters: float
     By generalised cross-validation of what is touched (Golub, Heath and Wahba 1979, Technometrics
     21, 215-223): what is left over, over the share of taxels that no parameter takes up.
     """
-    touched = np.maximum(np.abs(read), np.abs(predicted)) > TOUCHED * noise
+    touched = (np.abs(read) > TOUCHED * noise) | (np.abs(predicted) > FORETOLD * noise)
     count, squares = int(touched.sum()), float(np.square(read[touched]).sum())
     if not count:
         return 0.0
