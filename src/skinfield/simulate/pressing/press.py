@@ -24,7 +24,7 @@ from skinfield.simulate.indenters.shapes import Cone, Cylinder, Ring, Sphere
 from skinfield.simulate.pressing import readout
 from skinfield.simulate.pressing.contact import Settled, settle
 from skinfield.simulate.pressing.imposed import are_soft, impose
-from skinfield.simulate.pressing.tractions import Traction, add_shear, bare, resultants
+from skinfield.simulate.pressing.tractions import Traction, bare, resultants, rub
 from skinfield.simulate.pressing.windows import Medium
 from skinfield.skin import Grid, Patch
 
@@ -151,27 +151,32 @@ class Press:
 
     @cached_property
     def _sunk(self) -> Floats:
-        """Indentation (K,) m by the normal contact: that of the body where it touches.
+        """Indentation (K,) m: that of the body where it touches.
 
         There the two agree to the residual, but for squares that a sharp edge crosses: of those the
         solution knows the covered part.
         """
-        sunk = readout.indentation(self._skin, self.touches).ravel()
+        sunk = readout.indentation(self._skin, self.touches).ravel() - self._along[2].ravel()
         known = self.contact & np.isfinite(self._above)
         return np.where(known, -self._above, sunk)
 
     @cached_property
+    def _along(self) -> Floats:
+        """See `readout.sheared`."""
+        return readout.sheared(self._skin, self.touches)
+
+    @cached_property
     def displacement(self) -> Floats:
         """Of the surface at the cells' centres, (K, 3) m; negative z is into the skin."""
-        out = readout.sheared(self._skin, self.touches)
-        out[2] -= self._sunk.reshape(self.grid.shape)
+        out = self._along.copy()
+        out[2] = -self._sunk.reshape(self.grid.shape)
         return np.asarray(np.moveaxis(out, 0, -1).reshape(-1, 3))
 
     @cached_property
     def gap(self) -> Floats:
         """Between surface and the nearest body at the cells' centres, (K,) m; infinite under none.
 
-        0 where it touches. Of the normal contact: what shear adds to the indentation is not in it.
+        0 where it touches.
         """
         return self._above + self._sunk
 
@@ -292,9 +297,15 @@ def _softly(skin: Medium, fingers: Sequence[Indenter]) -> Press:
 
 
 def pressed(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Press:
-    """A press from its normal contact, with the tangential stage where there is shear."""
+    """A press from its normal contact, with friction where there is shear."""
+    if any(any(indenter.shear) for indenter in indenters):
+        return _sheared(settled, indenters, friction)
+    return _unsheared(settled, indenters)
+
+
+def _unsheared(settled: Settled, indenters: Sequence[Indenter]) -> Press:
     skin, contact, touches = settled.coverings.skin, settled.contact, bare(settled)
-    found = Press(
+    return Press(
         skin.grid,
         skin.layer,
         skin.mechanics,
@@ -304,14 +315,16 @@ def pressed(settled: Settled, indenters: Sequence[Indenter], friction: float | N
         touches,
         contact.residual,
     )
-    if not any(any(indenter.shear) for indenter in indenters):
-        return found
-    touches, shear = add_shear(settled, touches, indenters, friction)
-    area = settled.coverings.area
+
+
+def _sheared(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Press:
+    rubbed = rub(settled, indenters, friction)
+    shear, contact = rubbed.shear, rubbed.settled.contact
+    area = rubbed.settled.coverings.area
     return replace(
-        found,
+        _unsheared(rubbed.settled, indenters),
         translation=shear.translation,
-        touches=touches,
+        touches=rubbed.touches,
         shear_residual=shear.residual,
         slipping_share=float(area[shear.slipping].sum() / area[contact.pressure > 0].sum()),
     )

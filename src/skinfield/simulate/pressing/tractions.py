@@ -1,4 +1,4 @@
-"""Tractions on the skin in one window, normal and tangential, and sums over it."""
+"""Tractions on the skin in windows, normal and tangential: sums over them, and friction."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -6,11 +6,36 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.elastic.contact import RIM, Shear, ShearProblem, rim, solve_slip, solve_stick
-from skinfield.errors import Floats, check_positive
+from skinfield.elastic.contact import (
+    RIM,
+    ContactSolution,
+    Shear,
+    ShearProblem,
+    rim,
+    solve_contact,
+    solve_slip,
+    solve_stick,
+)
+from skinfield.errors import Floats, SkinfieldError, check_positive
 from skinfield.simulate.indenters.body import Indenter
-from skinfield.simulate.pressing.contact import Settled
-from skinfield.simulate.pressing.windows import Medium, Window, Yielding, coarsened
+from skinfield.simulate.pressing.contact import (
+    Coverings,
+    Settled,
+    check_border,
+    check_depth,
+    problem_of,
+    reaches_border,
+    widened,
+)
+from skinfield.simulate.pressing.windows import (
+    DRAGGED,
+    LIFTED,
+    TANGENTIAL,
+    Medium,
+    Window,
+    Yielding,
+    coarsened,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,33 +146,124 @@ def bare(settled: Settled) -> tuple[Traction, ...]:
     )
 
 
-def add_shear(
-    settled: Settled,
-    touches: tuple[Traction, ...],
-    indenters: Sequence[Indenter],
-    friction: float | None,
-) -> tuple[tuple[Traction, ...], Shear]:
-    """Tangential tractions under the shears of all indenters at once, and their solution."""
-    coverings, contact = settled.coverings, settled.contact
-    sliding = Yielding(coverings.skin, coverings.windows, tangential=True)
-    touching = contact.pressure > 0
-    # The limits of a touch that ends smoothly need no softness: it is found as much too wide as
-    # the border's singularity makes it act too narrow.
-    softness = np.where(touching, sliding.own * coverings.softness, 0.0)
-    problem = ShearProblem(
-        lambda traction: sliding(traction) + softness * traction,
-        touching,
-        coverings.bodies,
-        coverings.area,
-        np.array([indenter.shear for indenter in indenters], dtype=np.float64),
-    )
-    if friction is None:
-        shear = solve_stick(problem)
-    else:
+ROUNDS = 40
+FREE = 5  # rounds in which squares may come to hold the body, and let go
+SAME = 1e-4  # of the force: by which the pressure may still change from round to round
+WIDER = 3  # cells
+
+
+@dataclass(frozen=True, eq=False)
+class Rubbed:
+    """Contact with friction on windows.
+
+    Attributes
+    ----------
+    settled : Settled
+        Its pressure is that of the whole load.
+    shear : Shear
+    moved : (2, N) array, m
+        Displacement of the surface along the plane.
+    """
+
+    settled: Settled
+    shear: Shear
+    moved: Floats
+
+    @property
+    def touches(self) -> tuple[Traction, ...]:
+        """Touches with pressure and tangential traction."""
+        along = self.settled.indenting.pictures(self.shear.traction)
+        return tuple(
+            replace(touch, traction=np.stack([*each, touch.traction[2]]))
+            for touch, each in zip(bare(self.settled), along, strict=True)
+        )
+
+
+class Surface:
+    """What tractions along the plane and across it do to each other on windows."""
+
+    def __init__(self, coverings: Coverings) -> None:
+        skin, windows = coverings.skin, coverings.windows
+        self.coverings = coverings
+        self.sliding = Yielding(skin, windows, TANGENTIAL)
+        self.lifting = Yielding(skin, windows, LIFTED)
+        self.dragging = Yielding(skin, windows, DRAGGED)
+
+    def lifted(self, traction: Floats) -> Floats:
+        """Displacement (N,) m outwards by tangential traction (2, N) Pa."""
+        return np.asarray(self.lifting(traction)[0])
+
+    def dragged(self, pressure: Floats) -> Floats:
+        """Displacement (2, N) m along the plane by pressure (N,) Pa."""
+        return self.dragging(-pressure[None])
+
+    def shear(
+        self,
+        pressure: Floats,
+        touching: NDArray[np.bool_],
+        forces: Floats,
+        friction: float | None,
+        before: Floats,
+        start: Floats | None,
+    ) -> Shear:
+        """Tangential tractions where it touches, in a step from the displacement `before`."""
+        coverings = self.coverings
+        # The limits of a touch that ends smoothly need no softness: it is found as much too wide as
+        # the border's singularity makes it act too narrow.
+        softness = np.where(touching, self.sliding.own * coverings.softness, 0.0)
+        problem = ShearProblem(
+            lambda traction: self.sliding(traction) + softness * traction,
+            touching,
+            coverings.bodies,
+            coverings.area,
+            forces,
+            self.dragged(pressure) - before,
+            start,
+        )
+        if friction is None:
+            return solve_stick(problem)
+        return solve_slip(problem, friction * pressure)
+
+
+def rub(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Rubbed:
+    """Push bodies along the plane that were pressed on without friction before.
+
+    Tangential tractions raise the skin ahead and lower it behind, so pressure and place of touch
+    change, and with them the tractions: the two problems are solved in turn (Panagiotopoulos 1975).
+    """
+    if friction is not None:
         check_positive("friction", friction, "Coulomb's coefficient; None is for no limit")
-        shear = solve_slip(problem, friction * contact.pressure)
-    loaded = tuple(
-        replace(touch, traction=np.stack([*along, touch.traction[2]]))
-        for touch, along in zip(touches, sliding.pictures(shear.traction), strict=True)
+    while True:
+        rubbed = _rubbed(settled, indenters, friction)
+        check_depth(indenters, rubbed.settled)
+        if not reaches_border(rubbed.settled):
+            return rubbed
+        check_border(rubbed.settled)
+        settled = widened(settled, indenters, WIDER)
+
+
+def _rubbed(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Rubbed:
+    """See `rub`, on the windows of a contact."""
+    coverings = settled.coverings
+    surface = Surface(coverings)
+    forces = np.array([body.shear for body in indenters], dtype=np.float64)
+    contact, traction = settled.contact, None
+    before = surface.dragged(contact.pressure)
+    area, softness = coverings.area, coverings.softness
+    holding, same = contact.pressure > 0, False
+    for attempt in range(ROUNDS):
+        # Squares at the border would else come and go for ever.
+        holding = contact.pressure > 0 if attempt < FREE else holding
+        shear = surface.shear(contact.pressure, holding, forces, friction, before, traction)
+        traction = shear.traction
+        if same:
+            moved = surface.sliding(traction) + surface.dragged(contact.pressure)
+            return Rubbed(replace(settled, contact=contact), shear, moved)
+        problem = problem_of(coverings, settled.indenting, indenters, surface.lifted(traction))
+        new: ContactSolution = solve_contact(problem, contact.pressure, softness)
+        change = float(np.sum(area * np.abs(new.pressure - contact.pressure)))
+        same, contact = change <= SAME * float(np.sum(area * new.pressure)), new
+    raise SkinfieldError(
+        f"pressure under friction still changes by {change:.1e} N after {ROUNDS} rounds, expected "
+        "it to settle: shear less, or state a friction coefficient below 1"
     )
-    return loaded, shear
