@@ -100,6 +100,11 @@ class Press:
         return np.asarray(0.0 - self._resultants[0][:, 2])
 
     @property
+    def shears(self) -> Floats:
+        """Tangential force of each indenter on the skin, (bodies, 2) N."""
+        return self._resultants[0][:, :2]
+
+    @property
     def force(self) -> float:
         """Total normal force into the skin, N."""
         return float(self.forces.sum())
