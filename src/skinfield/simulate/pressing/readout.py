@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.elastic import LatticeConvolution
 from skinfield.elastic.electrostatics import MARGIN, STEPS, GapStrain
-from skinfield.elastic.lattice import cached_indentation_kernel, cached_surface_kernel
+from skinfield.elastic.lattice import cached_indentation_kernel, cached_lift_kernel
 from skinfield.errors import Floats, InputError, as_floats, check_finite, check_range, check_shape
 from skinfield.simulate.pressing.tractions import Sources, Traction, sources
 from skinfield.simulate.pressing.windows import PAD, Medium, Window, coarsened, resplit
@@ -84,9 +84,8 @@ def gap_strain(
             sunk[_on_mesh(window.grown(NEAR), split, low)] = sampled
         total += sunk
         if load[:2].any():
-            surface = cached_surface_kernel(skin.mechanics, skin.layer, step, step, rows, columns)
-            for along in (0, 1):
-                total -= LatticeConvolution(surface[2, along])(load[along])
+            lift = cached_lift_kernel(skin.mechanics, skin.layer, step, step, rows, columns)
+            total -= LatticeConvolution(lift)(load[:2], total=True)
     first = skin.grid.origin + ((low + 0.5) / split - 0.5) * pitch
     return GapStrain(total / h, first, step)
 
@@ -202,18 +201,8 @@ def gap_change(
         )
         out -= each.reshape(len(places), -1) @ source.traction[:, 2]
         if source.traction[:, :2].any():
-            for place, weight in _disc_rule(pad_diameter / 2):
-                each = skin.mechanics.surface_displacement(
-                    skin.layer, _offsets(places + place, source), source.side
-                ).reshape(len(places), -1, 3, 3)
-                out -= weight * np.einsum("lnj,nj->l", each[:, :, 2, :2], source.traction[:, :2])
+            lifts = skin.mechanics.lift(
+                skin.layer, _offsets(places, source), source.side, pad_diameter
+            ).reshape(len(places), -1, 2)
+            out -= np.einsum("lnj,nj->l", lifts, source.traction[:, :2])
     return out
-
-
-def _disc_rule(radius: float) -> list[tuple[Floats, float]]:
-    """Points and weights that average over a disc: the seven of degree 5 (Stroud's S2 5-1)."""
-    if radius == 0.0:
-        return [(np.zeros(2), 1.0)]
-    angle = np.arange(6) * np.pi / 3
-    ring = np.column_stack([np.cos(angle), np.sin(angle)]) * radius * np.sqrt(2 / 3)
-    return [(np.zeros(2), 0.25), *((place, 0.125) for place in ring)]
