@@ -60,16 +60,16 @@ def box(element: float, layers: int) -> Box:
     compliance = (1 + POISSON) * (1 - 2 * POISSON) / (POISSON * MODULUS)
 
     @skfem.BilinearForm
-    def strain(u, v, _):
+    def strain(u: Any, v: Any, _: Any) -> Any:
         a, b = ((w.grad + np.swapaxes(w.grad, 0, 1)) / 2 for w in (u, v))
         return 2 * shear * np.einsum("ij...,ij...->...", a, b)
 
     @skfem.BilinearForm
-    def volume(u, q, _):
+    def volume(u: Any, q: Any, _: Any) -> Any:
         return (u.grad[0, 0] + u.grad[1, 1] + u.grad[2, 2]) * q
 
     @skfem.BilinearForm
-    def bulk(p, q, _):
+    def bulk(p: Any, q: Any, _: Any) -> Any:
         return -compliance * p * q
 
     coupling = volume.assemble(moved, pressure)
@@ -131,9 +131,15 @@ class Touch:
 
     def base_stress(self, force: np.ndarray) -> np.ndarray:
         """Compression at `base`, MPa: of an incompressible layer the pressure there."""
-        return -(self.states[self.base_rows].astype(float) @ force.ravel())
+        return np.asarray(-(self.states[self.base_rows].astype(float) @ force.ravel()))
 
-    def settle(self, force, depth, before=None, push=0.0):
+    def settle(
+        self,
+        force: np.ndarray,
+        depth: float,
+        before: np.ndarray | None = None,
+        push: float = 0.0,
+    ) -> tuple[np.ndarray, float, float, np.ndarray]:
         """Contact and friction in one step; forces (N, 3) on the skin, depth and slide."""
         moved = np.einsum("iajb,jb->ia", self.flexibility, force)
         slide = 0.2

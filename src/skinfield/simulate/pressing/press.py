@@ -24,6 +24,7 @@ from skinfield.simulate.indenters.shapes import Cone, Cylinder, Ring, Sphere
 from skinfield.simulate.pressing import readout
 from skinfield.simulate.pressing.contact import Settled, settle
 from skinfield.simulate.pressing.imposed import are_soft, impose
+from skinfield.simulate.pressing.readout import Around
 from skinfield.simulate.pressing.tractions import Traction, bare, resultants, rub
 from skinfield.simulate.pressing.windows import Medium
 from skinfield.skin import Grid, Patch
@@ -509,19 +510,19 @@ def ladder_steps(
 
 Readings = Callable[[Floats], Floats]
 SPACING = 0.1e-3  # m: between the distances at which a round press is read
+HARMONICS = 4  # of the angle, of a round press that is pushed: they fall tenfold each
 REACH = 14.0  # thicknesses beyond the press where every reading is below 1e-4 of the highest
 WIDE = 8.0  # thicknesses around any other press that a table covers
 
 
 def is_round(press: Press) -> bool:
-    """Whether a press is the same all around the origin."""
+    """Whether a press is the same all around the origin, but for a push along the plane."""
     body = press.indenters[0]
     return (
         len(press.indenters) == 1
         and isinstance(body, Sphere | Cylinder | Cone | Ring)
         and tuple(body.position) == (0.0, 0.0)
         and (isinstance(body, Sphere) or tuple(body.tilt) == (0.0, 0.0))
-        and tuple(body.shear) == (0.0, 0.0)
     )
 
 
@@ -530,7 +531,7 @@ def readings_anywhere(
 ) -> Readings:
     """Function from points (N, 2) m to the readings (N,) of taxels there, without noise.
 
-    Of a round press, a cubic spline over the distance: thousands of taxels cost next to nothing.
+    Of a round press, cubic splines over the distance: thousands of taxels cost next to nothing.
 
     Parameters
     ----------
@@ -542,26 +543,35 @@ def readings_anywhere(
         beyond eight thicknesses around the press. Without it, every call computes its readings.
     """
     if is_round(press):
-        return _by_distance(press, pad_diameter, quantity)
+        return readings_around(press, pad_diameter, quantity)
     if spacing is not None:
         check_positive("spacing", spacing, "between the points of the table, in metres")
         return _by_table(press, pad_diameter, quantity, spacing)
     return lambda points: press.readings(points, pad_diameter, quantity)
 
 
-def _by_distance(press: Press, pad_diameter: float, quantity: str) -> Readings:
-    from scipy.interpolate import CubicSpline
+def readings_around(press: Press, pad_diameter: float, quantity: str) -> Around:
+    """Readings of taxels around a round press at the origin, by distance and angle.
 
-    distance = np.arange(0.0, _reach(press, pad_diameter, REACH) + SPACING, SPACING)
-    line = np.column_stack([distance, np.zeros_like(distance)])
-    values = press.readings(line, pad_diameter, quantity)
-    spline = CubicSpline(distance, values, bc_type="clamped")  # flat at both ends
-
-    def readings(points: Floats) -> Floats:
-        away = np.hypot(points[:, 0], points[:, 1])
-        return np.where(away <= distance[-1], spline(np.minimum(away, distance[-1])), 0.0)
-
-    return readings
+    Parameters
+    ----------
+    press : Press
+        See `is_round`. With a shear, the angle counts from its direction.
+    pad_diameter : float, m
+    quantity : "capacitance", "gap" or "stress"
+    """
+    if not is_round(press):
+        raise InputError(
+            f"the press is of {press.indenters!r}, expected one upright sphere, cylinder, cone or "
+            "ring at the origin: others are not the same all around"
+        )
+    along = press.indenters[0].shear
+    return Around.of(
+        lambda points: press.readings(points, pad_diameter, quantity),
+        np.arange(0.0, _reach(press, pad_diameter, REACH) + SPACING, SPACING),
+        float(np.arctan2(along[1], along[0])),
+        HARMONICS if any(along) else 1,
+    )
 
 
 def _by_table(press: Press, pad_diameter: float, quantity: str, spacing: float) -> Readings:

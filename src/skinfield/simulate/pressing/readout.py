@@ -1,6 +1,8 @@
 """Readings of a press: what pads at the base, or above it, see of it."""
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -206,3 +208,55 @@ def gap_change(
             ).reshape(len(places), -1, 2)
             out -= np.einsum("lnj,nj->l", lifts, source.traction[:, :2])
     return out
+
+
+@dataclass(frozen=True, eq=False)
+class Around:
+    """Readings around a round body by distance and angle.
+
+    Attributes
+    ----------
+    distance : (D,) array, m
+        From 0 up, evenly.
+    harmonics : (N, D) array
+        Row n goes with the cosine of n times the angle; row 1 is the dipole.
+    direction : float, rad
+        Where the angle is 0.
+    """
+
+    distance: Floats
+    harmonics: Floats
+    direction: float = 0.0
+
+    @classmethod
+    def of(
+        cls, read: Callable[[Floats], Floats], distance: Floats, direction: float, count: int
+    ) -> "Around":
+        """Read points (N, 2) m at `count` angles over the half circle, which the other mirrors."""
+        angle = np.pi * np.arange(count) / max(count - 1, 1)
+        turned = np.column_stack([np.cos(angle + direction), np.sin(angle + direction)])
+        values = read((turned[:, None] * distance[:, None]).reshape(-1, 2)).reshape(count, -1)
+        order = np.arange(count)
+        weight = np.where((order == 0) | (order == max(count - 1, 1)), 1.0, 2.0)
+        waves = np.cos(np.outer(order, angle)) * weight * weight[:, None] / (2 * max(count - 1, 1))
+        return cls(distance, waves @ values if count > 1 else values, direction)
+
+    @cached_property
+    def _splines(self) -> list[Callable[[Floats], Floats]]:
+        from scipy.interpolate import CubicSpline
+
+        # All but a dipole are flat at the axis.
+        return [
+            CubicSpline(
+                self.distance, row, bc_type=("not-a-knot" if n == 1 else "clamped", "clamped")
+            )
+            for n, row in enumerate(self.harmonics)
+        ]
+
+    def __call__(self, points: Floats) -> Floats:
+        """Readings (N,) at points (N, 2) m; 0 beyond the table."""
+        away = np.hypot(points[:, 0], points[:, 1])
+        angle = np.arctan2(points[:, 1], points[:, 0]) - self.direction
+        held = np.minimum(away, self.distance[-1])
+        total = sum(spline(held) * np.cos(n * angle) for n, spline in enumerate(self._splines))
+        return np.where(away <= self.distance[-1], total, 0.0)
