@@ -13,11 +13,11 @@ import argparse
 from typing import Any, NamedTuple
 
 import numpy as np
-import skfem
 from scipy.sparse import bmat, csc_matrix
 from scipy.sparse.linalg import splu
 
 from skinfield.elastic import Layer
+from skinfield.lab.fem.mesh import scikit_fem
 from skinfield.simulate import Sphere, press
 
 HEIGHT, MODULUS, POISSON = 2.0, 0.1, 0.49999
@@ -51,25 +51,25 @@ def edges(element: float, coarse: int = 4) -> np.ndarray:
 
 def box(element: float, layers: int) -> Box:
     """Assemble and factorise."""
-    y = edges(element)
+    fem, y = scikit_fem(), edges(element)
     z = HEIGHT * (1 - (1 - np.linspace(0, 1, layers + 1)) ** 1.3)
-    mesh = skfem.MeshHex.init_tensor(np.concatenate([-y[:0:-1], y]), y, z)
-    moved = skfem.Basis(mesh, skfem.ElementVector(skfem.ElementHex2()), intorder=4)
-    pressure = moved.with_element(skfem.ElementHex1())
+    mesh = fem.MeshHex.init_tensor(np.concatenate([-y[:0:-1], y]), y, z)
+    moved = fem.Basis(mesh, fem.ElementVector(fem.ElementHex2()), intorder=4)
+    pressure = moved.with_element(fem.ElementHex1())
     shear = MODULUS / (2 * (1 + POISSON))
     compliance = (1 + POISSON) * (1 - 2 * POISSON) / (POISSON * MODULUS)
 
-    @skfem.BilinearForm
-    def strain(u: Any, v: Any, _: Any) -> Any:
+    @fem.BilinearForm
+    def strain(u, v, _):  # type: ignore[no-untyped-def]
         a, b = ((w.grad + np.swapaxes(w.grad, 0, 1)) / 2 for w in (u, v))
         return 2 * shear * np.einsum("ij...,ij...->...", a, b)
 
-    @skfem.BilinearForm
-    def volume(u: Any, q: Any, _: Any) -> Any:
+    @fem.BilinearForm
+    def volume(u, q, _):  # type: ignore[no-untyped-def]
         return (u.grad[0, 0] + u.grad[1, 1] + u.grad[2, 2]) * q
 
-    @skfem.BilinearForm
-    def bulk(p: Any, q: Any, _: Any) -> Any:
+    @fem.BilinearForm
+    def bulk(p, q, _):  # type: ignore[no-untyped-def]
         return -compliance * p * q
 
     coupling = volume.assemble(moved, pressure)

@@ -58,7 +58,7 @@ class Press:
         error of "no gap under pressure", "no overlap elsewhere", "no work through the gap" and of
         the given forces.
     shear_residual : float
-        Of the tangential stage, see `elastic.contact.Shear`; 0 without shear.
+        Of the tangential tractions, see `elastic.contact.Shear`; 0 without shear.
     slipping_share : float
         Part of the touching squares at Coulomb's limit; 0 without friction limit.
     """
@@ -236,10 +236,10 @@ def press(
 ) -> Press:
     """Press rigid indenters into the skin and solve for the tractions below them; or soft fingers.
 
-    Linear elastic, unilateral: pressure only where there is touch. The normal contact is
-    frictionless; where an indenter has a shear, tangential tractions follow in a second stage in
-    which everything that touches sticks, or slips at Coulomb's limit. Fingers, which come alone,
-    impose their pressure.
+    Linear elastic, unilateral: pressure only where there is touch. Bodies are pressed on without
+    friction; then those with a shear are pushed along the plane, without turning, by one step in
+    which everything that touches sticks, or slips at Coulomb's limit, and pressure and touch follow
+    the surface that this moves. Fingers, which come alone, impose their pressure.
 
     Parameters
     ----------
@@ -256,7 +256,8 @@ def press(
         Default `BondedLayer()`. `HalfSpace` is the paper's difference of two depths; an elastic
         half-space is a thick layer: the base takes some 0.7 a/h of the depth, a the contact radius.
     friction : float, optional
-        Coulomb's coefficient, for the shear; without it all that touches sticks.
+        Coulomb's coefficient, for the shear; without it all that touches sticks. A body slides
+        whose shear is friction times its force.
 
     Returns
     -------
@@ -266,7 +267,7 @@ def press(
     ------
     InputError
         For indenters that cover no cell, lie behind others, touch the border of `extent`, sink as
-        deep as the layer is thick, or would slide.
+        deep as the layer is thick, or have more shear than friction holds.
     """
     if not isinstance(indenters, Sequence):
         raise InputError(f"indenters is {indenters!r}, expected a list of them, if only of one")
