@@ -3,13 +3,15 @@
 The layer is a box of hexahedra (displacement of degree 2, pressure of degree 1), half of it, as the
 push lies in its plane of symmetry; its faces far away are held. Unit forces on the nodes near the
 ball give a flexibility, on which contact and Coulomb's friction are solved node by node
-(Gauss-Seidel), first without friction and then in two steps of the push: nothing is shared with
-the program. Lengths are in mm and forces in N.
+(Gauss-Seidel), first without friction and then in two steps of the push; or with friction from the
+first touch on, in some steps: nothing is shared with the program. Lengths are in mm, forces in N.
 
     python benchmarks/friction_fem.py --element 0.68 --layers 3
+    python benchmarks/friction_fem.py --from-touch 4
 """
 
 import argparse
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,7 +20,7 @@ from scipy.sparse.linalg import splu
 
 from skinfield.elastic import Layer
 from skinfield.lab.fem.mesh import scikit_fem
-from skinfield.simulate import Sphere, press
+from skinfield.simulate import Sphere, press, press_path
 
 HEIGHT, MODULUS, POISSON = 2.0, 0.1, 0.49999
 BALL, FORCE, PUSH, FRICTION = 6.0, 1.0, 0.4, 0.6
@@ -139,10 +141,11 @@ class Touch:
         depth: float,
         before: np.ndarray | None = None,
         push: float = 0.0,
+        load: float = FORCE,
     ) -> tuple[np.ndarray, float, float, np.ndarray]:
         """Contact and friction in one step; forces (N, 3) on the skin, depth and slide."""
         moved = np.einsum("iajb,jb->ia", self.flexibility, force)
-        slide = 0.2
+        slide = 0.2 * (push > 0)
         for _ in range(4000):
             old = force.copy()
             for n in range(len(force)):
@@ -158,7 +161,7 @@ class Touch:
                 if (new != force[n]).any():
                     moved += self.flexibility[:, :, n] @ (new - force[n])
                     force[n] = new
-            lacking = FORCE / 2 + force[:, 2].sum()
+            lacking = load / 2 + force[:, 2].sum()
             depth += 0.36 * lacking / FORCE
             missing = 0.0 if before is None else push / 2 - force[:, 0].sum()
             slide += 0.42 * missing / FORCE
@@ -173,10 +176,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n", 1)[0])
     parser.add_argument("--element", type=float, default=0.68, help="size at the surface, mm")
     parser.add_argument("--layers", type=int, default=3, help="of elements")
+    parser.add_argument("--from-touch", type=int, default=0, help="steps of a press with friction")
     chosen = parser.parse_args()
     touch = Touch(box(chosen.element, chosen.layers))
     force, depth, _, moved = touch.settle(np.zeros((len(touch.places), 3)), 0.6)
-    plain, slid = touch.base_stress(force), 0.0
+    alone, slid = depth, 0.0
+    loads = FORCE * np.arange(1, chosen.from_touch + 1) / max(chosen.from_touch, 1)
+    if chosen.from_touch:
+        force[:], moved[:] = 0.0, 0.0
+    for load in loads:
+        before = moved[:, :2].copy()
+        force, depth, _, moved = touch.settle(force, depth, before, load=load)
+    plain, pressed_on = touch.base_stress(force), depth
     for step in range(1, STEPS + 1):
         before = moved[:, :2].copy()
         force, depth, slide, moved = touch.settle(force, depth, before, PUSH * step / STEPS)
@@ -185,16 +196,26 @@ def main() -> None:
     layer = Layer(HEIGHT * 1e-3, MODULUS * 1e6, 0.5)
     ball = Sphere(radius=BALL * 1e-3, force=FORCE, shear=(PUSH, 0.0))
     still = Sphere(radius=BALL * 1e-3, force=FORCE)
-    ours = press(layer, [ball], extent=20e-3, friction=FRICTION)
-    alone = press(layer, [still], extent=20e-3)
+    if chosen.from_touch:
+        steps = [replace(still, force=load) for load in loads]
+        steps += [replace(ball, shear=(PUSH * n / STEPS, 0.0)) for n in range(1, STEPS + 1)]
+        path = press_path(layer, [[step] for step in steps], extent=20e-3, friction=FRICTION)
+        start, ours = path[-STEPS - 1], path[-1]
+        ours_slid = sum(each.translation[0, 0] for each in path[-STEPS:])
+    else:
+        start = press(layer, [still], extent=20e-3)
+        ours = press(layer, [ball], extent=20e-3, friction=FRICTION)
+        ours_slid = ours.translation[0, 0]
     line = np.column_stack([touch.base, 0 * touch.base]) * 1e-3
     stress = ours.base_stress(line, 0.0) * 1e-6
-    change = stress - alone.base_stress(line, 0.0) * 1e-6
+    change = stress - start.base_stress(line, 0.0) * 1e-6
     middle = (force[:, 2] @ touch.places[:, 0]) / force[:, 2].sum()
     ahead = ours.moment[1] / ours.force * 1e3
     rows = {
+        "depth without friction, mm": (alone, press(layer, [still], 20e-3).approach[0] * 1e3),
+        "depth before the push, mm": (pressed_on, start.approach[0] * 1e3),
         "depth, mm": (depth, ours.approach[0] * 1e3),
-        "slide, mm": (slid, ours.translation[0, 0] * 1e3),
+        "slide, mm": (slid, ours_slid * 1e3),
         "middle of the pressure ahead, mm": (middle, ahead),
     }
     print(f"{'':36}{'elements':>10}{'press':>10}")

@@ -18,7 +18,7 @@ from skinfield.elastic.contact import (
 )
 from skinfield.elastic.lattice import interpolation, lattice, mirrored
 from skinfield.errors import InputError, SkinfieldError
-from skinfield.simulate import Cylinder, Sphere, press
+from skinfield.simulate import Cylinder, Sphere, press, press_path
 
 MODULUS = 130e3  # E / (1 - nu²), Pa
 
@@ -283,6 +283,26 @@ def test_a_sheared_ball_rests_on_the_skin_that_its_shear_raises(friction: float 
     # The bulge ahead takes more of the load: without it the middle of the pressure would stay.
     assert 0.1e-3 < found.moment[1] / found.force < 0.3e-3
     assert found.slipping_share == {None: 0.0, 0.4: 1.0}.get(friction, found.slipping_share)
+
+
+def test_friction_from_the_first_touch_holds_the_skin_below_a_ball() -> None:
+    """By symmetry it adds no force aside, and what sticks stays where it was touched."""
+    steps = [[Sphere(radius=6e-3, force=force)] for force in (0.3, 0.6, 0.6)]
+    path = press_path(LAYER, steps, extent=12e-3, cell=1e-3, friction=0.5)
+    plain = press(LAYER, steps[-1], extent=12e-3, cell=1e-3)
+    assert 0.9 * plain.approach[0] < path[1].approach[0] < 0.98 * plain.approach[0]
+    np.testing.assert_allclose(path[1].shears, 0.0, atol=1e-6)
+    held = np.hypot(*path[1].traction[:, :2].T)
+    assert (held <= 0.5 * path[1].pressure * (1 + 1e-6)).all()
+    assert held.sum() > 0.1 * path[1].pressure.sum()
+    # The same load again changes nothing, and what sticks under more load does not move.
+    np.testing.assert_allclose(path[2].traction, path[1].traction, atol=2e-3 * held.max())
+    inner = np.hypot(*path[0].grid.plane.T) < 1.2e-3
+    moved = (path[1].displacement - path[0].displacement)[inner, :2]
+    free = plain.displacement[inner, :2] / 2  # as much would move with nothing to hold it
+    assert np.abs(moved).max() < 0.1 * np.abs(free).max()
+    with pytest.raises(InputError, match="of the same bodies each"):
+        press_path(LAYER, [steps[0], []])
 
 
 def test_a_ball_that_slides_is_held_at_the_limit_everywhere() -> None:

@@ -20,7 +20,8 @@ from skinfield.simulate import (
     Wedge,
     press,
 )
-from skinfield.simulate.pressing.press import base_stress_below_cells, parts_of, pressure_by_body
+from skinfield.simulate.pressing.press import parts_of
+from skinfield.simulate.pressing.readout import base_stress_below_cells, pressure_by_body
 
 MM = 1e-3
 LAYER = sf.Layer(2 * MM, 100e3, 0.5)

@@ -350,6 +350,30 @@ def _first_push(coverings: Coverings, indenters: Sequence[Indenter]) -> Floats:
 
 def _windows(settled: Settled, margin: int) -> list[Window]:
     """Windows around all contacts, each cut as finely as its smallest contact asks for."""
+    return cut(merged(_found(settled, margin)))
+
+
+def shared(
+    states: Sequence[Settled], bodies: Sequence[Sequence[Indenter]], margin: int
+) -> list[Settled]:
+    """Contacts of a path solved again on windows around all of them.
+
+    They are cut as finely as the widest contact asks for: the narrow ones pass.
+    """
+    every = [found for settled in states for found in _found(settled, margin)]
+    widest = max(across for _, across in every)
+    windows = cut(merged([(window, widest) for window, _ in every]))
+    again = []
+    for settled, indenters in zip(states, bodies, strict=True):
+        skin, approach = settled.coverings.skin, settled.contact.approach
+        coverings = _lay(skin, indenters, windows, approach)
+        start = _carried_over(settled, coverings)
+        again.append(_solve(coverings, settled.whole, indenters, start))
+    return again
+
+
+def _found(settled: Settled, margin: int) -> list[tuple[Window, float]]:
+    """Windows of cells around all contacts, and how wide these are."""
     coverings, grid = settled.coverings, settled.coverings.skin.grid
     found: list[tuple[Window, float]] = []
     for body in range(len(coverings.each)):
@@ -363,7 +387,7 @@ def _windows(settled: Settled, margin: int) -> list[Window]:
             if window is not None:
                 across = width(mask, part) / whole.split
                 found.append((window.grown(margin, grid.shape), across))
-    return cut(merged(found))
+    return found
 
 
 def _carried_over(settled: Settled, coverings: Coverings) -> Floats:

@@ -19,7 +19,7 @@ from skinfield.plot import (
     style,
 )
 from skinfield.simulate import Press
-from skinfield.simulate.pressing.press import base_stress_below_cells, pressure_by_body
+from skinfield.simulate.pressing.readout import base_stress_below_cells, pressure_by_body
 from skinfield.skin import Patch
 from skinfield.skin.maps import MM, draw_cells, draw_pads, extent_of_pads, frame_axes, outline_pads
 

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.elastic import BondedLayer, LatticeConvolution, Layer, Mechanics
+from skinfield.elastic import BondedLayer, Layer, Mechanics
 from skinfield.elastic.electrostatics import capacitance_change
-from skinfield.elastic.lattice import lattice, mirrored
 from skinfield.errors import (
     Floats,
     InputError,
@@ -25,7 +24,7 @@ from skinfield.simulate.pressing import readout
 from skinfield.simulate.pressing.contact import Settled, settle
 from skinfield.simulate.pressing.imposed import are_soft, impose
 from skinfield.simulate.pressing.readout import Around
-from skinfield.simulate.pressing.tractions import Traction, bare, resultants, rub
+from skinfield.simulate.pressing.tractions import Rubbed, Traction, bare, follow, resultants, rub
 from skinfield.simulate.pressing.windows import Medium
 from skinfield.skin import Grid, Patch
 
@@ -306,7 +305,7 @@ def _softly(skin: Medium, fingers: Sequence[Indenter]) -> Press:
 def pressed(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Press:
     """A press from its normal contact, with friction where there is shear."""
     if any(any(indenter.shear) for indenter in indenters):
-        return _sheared(settled, indenters, friction)
+        return _sheared(rub(settled, indenters, friction), indenters)
     return _unsheared(settled, indenters)
 
 
@@ -324,8 +323,7 @@ def _unsheared(settled: Settled, indenters: Sequence[Indenter]) -> Press:
     )
 
 
-def _sheared(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Press:
-    rubbed = rub(settled, indenters, friction)
+def _sheared(rubbed: Rubbed, indenters: Sequence[Indenter]) -> Press:
     shear, contact = rubbed.shear, rubbed.settled.contact
     area = rubbed.settled.coverings.area
     return replace(
@@ -337,6 +335,42 @@ def _sheared(settled: Settled, indenters: Sequence[Indenter], friction: float | 
     )
 
 
+def press_path(
+    layer: Layer,
+    path: Sequence[Sequence[Indenter]],
+    extent: float = 60e-3,
+    cell: float = 0.5e-3,
+    mechanics: Mechanics | None = None,
+    friction: float | None = None,
+) -> list[Press]:
+    """Press along a path of loads and places, with friction from the first touch on.
+
+    Friction resists what the pressure moves along the plane, too, so even a body that is pressed
+    straight down sinks less than in `press`; loads may turn and fall. Places that move without
+    shear are those of a body that rolls.
+
+    Parameters
+    ----------
+    layer : Layer
+    path : sequence of sequences of Indenter
+        The same bodies in each step, whose sizes decide how well the path is followed: ten or so
+        from the first touch to the full load.
+    extent, cell, mechanics, friction
+        See `press`.
+
+    Returns
+    -------
+    list of Press
+        One per step; `Press.translation` is that of the step alone.
+    """
+    if not len(path) or len({len(step) for step in path}) > 1:
+        raise InputError(f"path is {path!r}, expected one step or more, of the same bodies each")
+    skin = skin_of(layer, extent, cell, mechanics)
+    states = [settle(skin, step) for step in path]
+    followed = follow(states, path, friction)
+    return [_sheared(each, step) for each, step in zip(followed, path, strict=True)]
+
+
 def parts_of(press: Press) -> list[dict[str, Any]]:
     """Part of each indenter of a press, in order: a row with the unit in each key's name.
 
@@ -345,7 +379,7 @@ def parts_of(press: Press) -> list[dict[str, Any]]:
     NaN where it does not touch, ``area_m2`` that it touches, and ``peak_Pa``, the largest mean
     pressure of a cell: below a sharp edge it grows without bound as cells shrink.
     """
-    pressure = pressure_by_body(press)
+    pressure = readout.pressure_by_body(press)
     parts = []
     for index, indenter in enumerate(press.indenters):
         force, moment = float(press.forces[index]), press.moments[index]
@@ -394,7 +428,7 @@ def arrays_of(press: Press, patch: Patch | None = None) -> dict[str, Any]:
         "displacement": press.displacement.reshape(*shape, 3),
         "gap": press.gap.reshape(shape),
         "contact": press.contact.reshape(shape),
-        "base_stress": base_stress_below_cells(press).reshape(shape),
+        "base_stress": readout.base_stress_below_cells(press).reshape(shape),
         "kind": np.array([body.kind for body in press.indenters]),
         "position": np.array([body.position for body in press.indenters]),
         "depth": press.approach,
@@ -419,38 +453,6 @@ def arrays_of(press: Press, patch: Patch | None = None) -> dict[str, Any]:
             "pad_capacitance": press.capacitance(places, diameter),
         }
     return found
-
-
-def pressure_by_body(press: Press) -> Floats:
-    """Mean pressure (bodies, K) Pa on each cell by each indenter; their sum is `press.pressure`."""
-    out = np.zeros((len(press.indenters), *press.grid.shape))
-    for touch in press.touches:
-        for index in range(len(press.indenters)):
-            push = np.where(touch.body == index, -touch.traction[2], 0.0)
-            out[index][touch.window.cells] += touch.window.means(push)
-    return out.reshape(len(press.indenters), -1)
-
-
-def base_stress_below_cells(press: Press) -> Floats:
-    """Normal stress (K,) Pa on the base below the centre of each cell, positive in compression.
-
-    By convolution of the cells' mean tractions: for maps, where `Press.base_stress` at each cell
-    would take long. The two agree where cells are smaller than the layer is thick.
-    """
-    rows, columns = press.grid.shape
-    offsets, pitch = lattice(rows - 1, columns - 1, press.grid.pitch), press.grid.pitch
-    traction = press.traction.reshape(rows, columns, 3)
-    if not traction[..., :2].any():
-        response = press.mechanics.base_stress(press.layer, offsets, pitch, 0.0)
-        kernel = mirrored(response.reshape(rows, columns))
-        return np.asarray(LatticeConvolution(kernel)(-traction[..., 2])).ravel()
-    response = press.mechanics.base_traction(press.layer, offsets, pitch, 0.0)[:, 2]
-    along = response.T.reshape(3, rows, columns)
-    total = np.zeros((rows, columns))
-    for axis, (odd_x, odd_y) in enumerate(((True, False), (False, True), (False, False))):
-        kernel = mirrored(along[axis], odd_x=odd_x, odd_y=odd_y)
-        total -= LatticeConvolution(kernel)(traction[..., axis])
-    return total.ravel()
 
 
 def press_ladder(

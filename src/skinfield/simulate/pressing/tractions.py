@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from skinfield.elastic.contact import (
     RIM,
+    SHEAR_TOLERANCE,
     ContactSolution,
     Shear,
     ShearProblem,
@@ -25,6 +26,7 @@ from skinfield.simulate.pressing.contact import (
     check_depth,
     problem_of,
     reaches_border,
+    shared,
     widened,
 )
 from skinfield.simulate.pressing.windows import (
@@ -149,7 +151,9 @@ def bare(settled: Settled) -> tuple[Traction, ...]:
 ROUNDS = 40
 FREE = 5  # rounds in which squares may come to hold the body, and let go
 SAME = 1e-4  # of the force: by which the pressure may still change from round to round
+EASE = 10.0  # by which tolerances are wider while the pressure still changes
 WIDER = 3  # cells
+MARGINS = 3, 8  # cells around the touches of a path
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,8 +209,12 @@ class Surface:
         friction: float | None,
         before: Floats,
         start: Floats | None,
+        ease: float,
     ) -> Shear:
-        """Tangential tractions where it touches, in a step from the displacement `before`."""
+        """Tangential tractions where it touches, in a step from the displacement `before`.
+
+        To the usual tolerances times `ease`.
+        """
         coverings = self.coverings
         # The limits of a touch that ends smoothly need no softness: it is found as much too wide as
         # the border's singularity makes it act too narrow.
@@ -221,8 +229,8 @@ class Surface:
             start,
         )
         if friction is None:
-            return solve_stick(problem)
-        return solve_slip(problem, friction * pressure)
+            return solve_stick(problem, ease * SHEAR_TOLERANCE)
+        return solve_slip(problem, friction * pressure, 10 * ease * SHEAR_TOLERANCE)
 
 
 def rub(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Rubbed:
@@ -234,7 +242,7 @@ def rub(settled: Settled, indenters: Sequence[Indenter], friction: float | None)
     if friction is not None:
         check_positive("friction", friction, "Coulomb's coefficient; None is for no limit")
     while True:
-        rubbed = _rubbed(settled, indenters, friction)
+        rubbed = _rubbed(settled, indenters, friction, None)
         check_depth(indenters, rubbed.settled)
         if not reaches_border(rubbed.settled):
             return rubbed
@@ -242,19 +250,61 @@ def rub(settled: Settled, indenters: Sequence[Indenter], friction: float | None)
         settled = widened(settled, indenters, WIDER)
 
 
-def _rubbed(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Rubbed:
-    """See `rub`, on the windows of a contact."""
+def follow(
+    states: Sequence[Settled], path: Sequence[Sequence[Indenter]], friction: float | None
+) -> list[Rubbed]:
+    """Follow a path of loads and places with friction from the first touch on, step by step.
+
+    Skin that sticks keeps its place below the body, and what comes to touch is held from then on.
+
+    Parameters
+    ----------
+    states : sequence of Settled
+        Contacts of the steps without friction.
+    path : sequence of sequences of Indenter
+        The same bodies in each step.
+    friction : float, optional
+    """
+    for margin in MARGINS:
+        done: list[Rubbed] = []
+        for settled, indenters in zip(shared(states, path, margin), path, strict=True):
+            done.append(_rubbed(settled, indenters, friction, done[-1] if done else _rest(settled)))
+            check_depth(indenters, done[-1].settled)
+            check_border(done[-1].settled)
+        if not any(reaches_border(each.settled) for each in done):
+            return done
+    raise SkinfieldError(
+        f"touch under friction grew by more than {margin} cells, expected less: shear less"
+    )
+
+
+def _rest(settled: Settled) -> Rubbed:
+    """Nothing has touched the skin yet."""
+    still = np.zeros((2, len(settled.contact.pressure)))
+    bodies = len(settled.contact.approach)
+    none = np.zeros(still.shape[1], dtype=np.bool_)
+    return Rubbed(settled, Shear(still, np.zeros((bodies, 2)), none, 0.0, 0), still)
+
+
+def _rubbed(
+    settled: Settled,
+    indenters: Sequence[Indenter],
+    friction: float | None,
+    before: Rubbed | None,
+) -> Rubbed:
+    """See `rub`, on the windows of a contact; in a step from `before`, if anything was."""
     coverings = settled.coverings
     surface = Surface(coverings)
     forces = np.array([body.shear for body in indenters], dtype=np.float64)
-    contact, traction = settled.contact, None
-    before = surface.dragged(contact.pressure)
+    contact, traction = settled.contact, None if before is None else before.shear.traction
+    moved = surface.dragged(contact.pressure) if before is None else before.moved
     area, softness = coverings.area, coverings.softness
     holding, same = contact.pressure > 0, False
     for attempt in range(ROUNDS):
         # Squares at the border would else come and go for ever.
         holding = contact.pressure > 0 if attempt < FREE else holding
-        shear = surface.shear(contact.pressure, holding, forces, friction, before, traction)
+        ease = 1.0 if same else EASE
+        shear = surface.shear(contact.pressure, holding, forces, friction, moved, traction, ease)
         traction = shear.traction
         if same:
             moved = surface.sliding(traction) + surface.dragged(contact.pressure)
