@@ -24,8 +24,8 @@ from skinfield.settings import Positive, Range
 WIDE = 190  # columns of the terminal that a table of several noises takes
 Rows = list[dict[str, Any]]
 WorldName = Literal[
-    "as-stated", "sticking", "slipping", "nu-0.49", "nu-0.45", "nu-0.40", "cover", "creep-0.1s",
-    "creep-1s", "released-0.1s",
+    "as-stated", "sticking", "slipping", "friction", "nu-0.49", "nu-0.45", "nu-0.40", "cover",
+    "creep-0.1s", "creep-1s", "released-0.1s",
 ]  # fmt: skip
 COLUMNS = (  # of the summary's rows
     Column("force\n%", "force_error", 100.0, 0),
@@ -125,9 +125,9 @@ def validate(
         What taxels read, with --unseen. Again for more. Default both.
     world : tuple of str
         What skin and touch truly are, with --unseen, while solvers are told that they are as
-        stated: a tangential force of half the normal one that sticks or slips, another Poisson's
-        ratio, an inextensible cover, creep of 15 % so long after a load came or went. Again for
-        more.
+        stated: a tangential force of half the normal one that sticks or slips, friction of 0.5
+        below bodies that press straight down, another Poisson's ratio, an inextensible cover, creep
+        of 15 % so long after a load came or went. Again for more.
     group : str, optional
         Of the random presses, with --unseen: balls and cones, two or three bodies, or flats, bars
         and rings. Default each in its turn.

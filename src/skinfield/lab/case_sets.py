@@ -10,7 +10,7 @@ import numpy as np
 from skinfield.elastic import BondedLayer, Layer, StandardLinearSolid
 from skinfield.errors import Floats, InputError
 from skinfield.lab.cases import NOTHING, Case
-from skinfield.simulate import Bar, Cone, Cylinder, Press, Ring, Sphere, press
+from skinfield.simulate import Bar, Cone, Cylinder, Press, Ring, Sphere, press, press_path
 from skinfield.simulate.rig import Pose
 from skinfield.skin import Patch
 
@@ -135,6 +135,9 @@ class World:
         Tangential force of each body as a part of its normal force, in a random direction.
     friction : float, optional
         Coulomb's coefficient. Default none: all that touches sticks.
+    steps : int
+        Of the load, with friction from the first touch on; 0 for bodies that are pressed on without
+        friction and then pushed.
     elastomer : StandardLinearSolid, optional
         How the layer creeps under a load that comes at once and stands. Its modulus is stated as it
         is after long. Default not at all.
@@ -148,6 +151,7 @@ class World:
     cover: bool = False
     shear: float = 0.0
     friction: float | None = None
+    steps: int = 0
     elastomer: StandardLinearSolid | None = None
     after: float = 0.0
     released: bool = False
@@ -157,6 +161,17 @@ class World:
         if self.poisson_ratio is None:
             return stated
         return replace(stated, poisson_ratio=self.poisson_ratio)
+
+    def press(self, stated: Layer, bodies: list[Any], extent: float, cell: float) -> Press:
+        """Solve for bodies with their forces and shears."""
+        where = extent, cell, BondedLayer(inextensible_cover=self.cover), self.friction
+        if not self.steps:
+            return press(self.layer(stated), bodies, *where)
+        path = [
+            [replace(body, force=body.force * step / self.steps) for body in bodies]
+            for step in range(1, self.steps + 1)
+        ]
+        return press_path(self.layer(stated), path, *where)[-1]
 
     @property
     def share(self) -> float:
@@ -200,6 +215,7 @@ WORLDS = {
     "as-stated": World(),
     "sticking": World(shear=0.5),
     "slipping": World(shear=0.5, friction=0.5),
+    "friction": World(friction=0.5, steps=4),
     "nu-0.49": World(poisson_ratio=0.49),
     "nu-0.45": World(poisson_ratio=0.45),
     "nu-0.40": World(poisson_ratio=0.40),
@@ -391,7 +407,6 @@ def _pressed(
 
     A shear goes one of the `ways` (bodies,) rad.
     """
-    mechanics = BondedLayer(inextensible_cover=world.cover)
     for _ in range(LOADINGS):
         forces = [world.share * _log(rng, *LOADS) for _ in bodies]
         loaded = [
@@ -400,7 +415,7 @@ def _pressed(
             for along in (world.shear * force,)
         ]
         try:
-            solved = press(world.layer(layer), loaded, extent, cell, mechanics, world.friction)
+            solved = world.press(layer, loaded, extent, cell)
         except InputError as error:
             if "sinks" not in str(error):
                 raise
