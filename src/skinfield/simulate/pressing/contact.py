@@ -350,7 +350,7 @@ def _first_push(coverings: Coverings, indenters: Sequence[Indenter]) -> Floats:
 
 def _windows(settled: Settled, margin: int) -> list[Window]:
     """Windows around all contacts, each cut as finely as its smallest contact asks for."""
-    return cut(merged(_found(settled, margin)))
+    return cut(merged(_touch_windows(settled, margin)))
 
 
 def shared(
@@ -360,7 +360,7 @@ def shared(
 
     They are cut as finely as the widest contact asks for: the narrow ones pass.
     """
-    every = [found for settled in states for found in _found(settled, margin)]
+    every = [found for settled in states for found in _touch_windows(settled, margin)]
     widest = max(across for _, across in every)
     windows = cut(merged([(window, widest) for window, _ in every]))
     again = []
@@ -372,7 +372,7 @@ def shared(
     return again
 
 
-def _found(settled: Settled, margin: int) -> list[tuple[Window, float]]:
+def _touch_windows(settled: Settled, margin: int) -> list[tuple[Window, float]]:
     """Windows of cells around all contacts, and how wide these are."""
     coverings, grid = settled.coverings, settled.coverings.skin.grid
     found: list[tuple[Window, float]] = []

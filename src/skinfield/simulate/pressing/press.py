@@ -80,15 +80,23 @@ class Press:
     @cached_property
     def traction(self) -> Floats:
         """Mean on each cell, on the skin, (K, 3) Pa; a push has negative z."""
-        out = np.zeros((3, *self.grid.shape))
-        for touch in self.touches:
-            out[:, *touch.window.cells] = touch.window.means(touch.traction)
+        out = readout.cell_traction(self._skin, self.touches)
         return np.asarray(np.moveaxis(out, 0, -1).reshape(-1, 3) + 0.0)
 
     @property
     def pressure(self) -> Floats:
         """Mean on each cell, (K,) Pa."""
         return np.maximum(-self.traction[:, 2], 0.0)
+
+    @property
+    def pressure_by_body(self) -> Floats:
+        """Mean pressure (bodies, K) Pa on each cell by each indenter; their sum is `pressure`."""
+        return readout.pressure_by_body(self._skin, self.touches, len(self.indenters))
+
+    @property
+    def base_stress_below_cells(self) -> Floats:
+        """Normal stress (K,) Pa below the cells' centres: for maps, faster than `base_stress`."""
+        return readout.base_stress_below_cells(self._skin, self.touches)
 
     @cached_property
     def _resultants(self) -> tuple[Floats, Floats]:
@@ -311,16 +319,8 @@ def pressed(settled: Settled, indenters: Sequence[Indenter], friction: float | N
 
 def _unsheared(settled: Settled, indenters: Sequence[Indenter]) -> Press:
     skin, contact, touches = settled.coverings.skin, settled.contact, bare(settled)
-    return Press(
-        skin.grid,
-        skin.layer,
-        skin.mechanics,
-        tuple(indenters),
-        contact.approach,
-        np.zeros((len(indenters), 2)),
-        touches,
-        contact.residual,
-    )
+    medium, still = (skin.grid, skin.layer, skin.mechanics), np.zeros((len(indenters), 2))
+    return Press(*medium, tuple(indenters), contact.approach, still, touches, contact.residual)
 
 
 def _sheared(rubbed: Rubbed, indenters: Sequence[Indenter]) -> Press:
@@ -379,7 +379,7 @@ def parts_of(press: Press) -> list[dict[str, Any]]:
     NaN where it does not touch, ``area_m2`` that it touches, and ``peak_Pa``, the largest mean
     pressure of a cell: below a sharp edge it grows without bound as cells shrink.
     """
-    pressure = readout.pressure_by_body(press)
+    pressure = press.pressure_by_body
     parts = []
     for index, indenter in enumerate(press.indenters):
         force, moment = float(press.forces[index]), press.moments[index]
@@ -428,7 +428,7 @@ def arrays_of(press: Press, patch: Patch | None = None) -> dict[str, Any]:
         "displacement": press.displacement.reshape(*shape, 3),
         "gap": press.gap.reshape(shape),
         "contact": press.contact.reshape(shape),
-        "base_stress": readout.base_stress_below_cells(press).reshape(shape),
+        "base_stress": press.base_stress_below_cells.reshape(shape),
         "kind": np.array([body.kind for body in press.indenters]),
         "position": np.array([body.position for body in press.indenters]),
         "depth": press.approach,

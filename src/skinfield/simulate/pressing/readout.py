@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,9 +18,6 @@ from skinfield.elastic.lattice import (
 from skinfield.errors import Floats, InputError, as_floats, check_finite, check_range, check_shape
 from skinfield.simulate.pressing.tractions import Sources, Traction, sources
 from skinfield.simulate.pressing.windows import PAD, Medium, Window, coarsened, resplit
-
-if TYPE_CHECKING:
-    from skinfield.simulate.pressing.press import Press
 
 NEAR = 4  # cells around a window within which its squares act one by one
 MOST_SAMPLES = 10_000_000  # of the mesh: some 2 GB
@@ -271,33 +267,37 @@ class Around:
         return np.where(away <= self.distance[-1], total, 0.0)
 
 
-def pressure_by_body(press: "Press") -> Floats:
-    """Mean pressure (bodies, K) Pa on each cell by each indenter; their sum is `press.pressure`."""
-    out = np.zeros((len(press.indenters), *press.grid.shape))
-    for touch in press.touches:
-        for index in range(len(press.indenters)):
+def cell_traction(skin: Medium, touches: tuple[Traction, ...]) -> Floats:
+    """Mean on each cell, (3, rows, columns) Pa."""
+    out = np.zeros((3, *skin.grid.shape))
+    for touch in touches:
+        out[:, *touch.window.cells] = touch.window.means(touch.traction)
+    return out
+
+
+def pressure_by_body(skin: Medium, touches: tuple[Traction, ...], bodies: int) -> Floats:
+    """Mean pressure (bodies, K) Pa on each cell by each body."""
+    out = np.zeros((bodies, *skin.grid.shape))
+    for touch in touches:
+        for index in range(bodies):
             push = np.where(touch.body == index, -touch.traction[2], 0.0)
             out[index][touch.window.cells] += touch.window.means(push)
-    return out.reshape(len(press.indenters), -1)
+    return out.reshape(bodies, -1)
 
 
-def base_stress_below_cells(press: "Press") -> Floats:
-    """Normal stress (K,) Pa on the base below the centre of each cell, positive in compression.
-
-    By convolution of the cells' mean tractions: for maps, where `Press.base_stress` at each cell
-    would take long. The two agree where cells are smaller than the layer is thick.
-    """
-    rows, columns = press.grid.shape
-    offsets, pitch = lattice(rows - 1, columns - 1, press.grid.pitch), press.grid.pitch
-    traction = press.traction.reshape(rows, columns, 3)
-    if not traction[..., :2].any():
-        response = press.mechanics.base_stress(press.layer, offsets, pitch, 0.0)
+def base_stress_below_cells(skin: Medium, touches: tuple[Traction, ...]) -> Floats:
+    """Normal stress (K,) Pa below the centre of each cell, by convolution of the cells' means."""
+    rows, columns = skin.grid.shape
+    offsets, pitch = lattice(rows - 1, columns - 1, skin.grid.pitch), skin.grid.pitch
+    traction = cell_traction(skin, touches)
+    if not traction[:2].any():
+        response = skin.mechanics.base_stress(skin.layer, offsets, pitch, 0.0)
         kernel = mirrored(response.reshape(rows, columns))
-        return np.asarray(LatticeConvolution(kernel)(-traction[..., 2])).ravel()
-    response = press.mechanics.base_traction(press.layer, offsets, pitch, 0.0)[:, 2]
+        return np.asarray(LatticeConvolution(kernel)(-traction[2])).ravel()
+    response = skin.mechanics.base_traction(skin.layer, offsets, pitch, 0.0)[:, 2]
     along = response.T.reshape(3, rows, columns)
     total = np.zeros((rows, columns))
     for axis, (odd_x, odd_y) in enumerate(((True, False), (False, True), (False, False))):
         kernel = mirrored(along[axis], odd_x=odd_x, odd_y=odd_y)
-        total -= LatticeConvolution(kernel)(traction[..., axis])
+        total -= LatticeConvolution(kernel)(traction[axis])
     return total.ravel()
