@@ -162,6 +162,14 @@ class FourierSum:
         ratio = self.ratio["covered_normal" if covered else "normal"]
         return self._sum(offset, 2 * (1 - self.nu**2) * ratio / np.sinh(self.k))
 
+    def lift(self, offset, smoothed=True):
+        """(N, 2): height of the surface over the pad per traction along x and y."""
+        assert smoothed or self.nu == 0.5  # else the sum does not converge
+        per = self.ratio["coupling"] / (np.sinh(self.k) if smoothed else self.k) / self.k
+        x = self._sum(offset, per * self.wave[:, None], True, False)
+        y = self._sum(offset, per * self.wave, False, True)
+        return -(1 + self.nu) * np.stack([x, y], axis=1)
+
     def normal(self, offset, covered=False):
         """Normal displacement at points per unit normal traction."""
         assert not self.pad

@@ -216,3 +216,47 @@ def test_a_campaign_from_its_parts() -> None:
     assert {row["method"] for row in found.bound} == {KNOWN, UNKNOWN}
     assert {row["idle"] for row in found.idle} == {50}
     assert steps == [(0, 2), (1, 2), (2, 2)]
+
+
+def test_worlds_share_bodies_and_places_and_state_the_same_layer() -> None:
+    """What is there differs from world to world, and what is stated does not."""
+    made = {
+        name: random_press(PATCH, 0, 7, cell=0.5e-3, world=world, group=SINGLE)
+        for name, world in case_sets.WORLDS.items()
+        if name in ("as-stated", "slipping", "cover", "released-0.1s")
+    }
+    cases = {
+        name: case_sets.WORLDS[name].case(each, case_sets.SILICONE, case_of(each))
+        for name, each in made.items()
+    }
+    usual, pushed = cases["as-stated"], cases["slipping"]
+    assert {case.layer for case in cases.values()} == {case_sets.SILICONE}
+    assert not any(case.mechanics.inextensible_cover for case in cases.values())
+    assert made["cover"].press.mechanics.inextensible_cover
+    assert len({tuple(each.pose) for each in made.values()}) == 1
+    force = usual.truth.force
+    assert pushed.truth.force == pytest.approx(force, rel=1e-6)
+    assert np.hypot(*pushed.truth.contacts[0].shear) == pytest.approx(force / 2, rel=1e-4)
+    assert usual.truth.contacts[0].shear == (0.0, 0.0)
+    # 15 % of creep with a retardation time of 1/0.85 s: what is there, and what is left of it.
+    late = case_sets.WORLDS["creep-1s"]
+    assert late.share == pytest.approx(1 - 0.15 * np.exp(-0.85), rel=1e-6)
+    crept = late.case(made["as-stated"], case_sets.SILICONE, usual).truth
+    assert crept.force == pytest.approx(force / late.share, rel=1e-6)
+    assert crept.pressure.sum() == pytest.approx(usual.truth.pressure.sum() / late.share)
+    left = made["released-0.1s"].press.force / force
+    assert left == pytest.approx(0.15 * np.exp(-0.085), rel=1e-6)
+    assert cases["released-0.1s"].truth.contacts == ()
+    assert np.abs(cases["released-0.1s"].readings).max() > 0
+
+
+def test_a_table_of_worlds_has_a_row_for_each() -> None:
+    plan = plan_of(entrants=known_entrants()[1:2], group=SINGLE)
+    worlds = ("cover", "released-0.1s")
+    made = [accuracy.rows_of_presses(Path(), plan, 0, 1, name) for name in worlds]
+    assert not any(each["bound"] for each in made)  # it is of what is as stated
+    found = Findings([row for each in made for row in each["rows"]])
+    assert {row["group"] for row in found.rows} == {SINGLE}
+    rows = accuracy.accuracy_rows(found, resamples=99)
+    assert tuple(row["world"] for row in rows) == worlds
+    assert [row["contacts"] for row in rows] == [1, 0]

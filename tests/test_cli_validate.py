@@ -136,6 +136,7 @@ def test_own_solver_from_the_current_folder(
         ("--grid 1", "--grid is 1, expected"),
         ("--unseen 2", "expected either CASES"),
         ("--idle 7", "--idle has no effect here: it belongs to --unseen"),
+        ("--world cover", "--world has no effect here: it belongs to --unseen"),
         ("--seed 2", "--seed has no effect here: it belongs to --unseen or --noise"),
     ],
 )
@@ -161,6 +162,15 @@ def test_what_cannot_be_used_is_said(folder: Path, words: str, message: str) -> 
 )  # fmt: skip
 def test_what_cannot_be_used_without_cases_is_said(words: str, message: str) -> None:
     assert message in refused("validate", *shlex.split(words))
+
+
+def test_every_world_can_be_named() -> None:
+    from typing import get_args
+
+    from skinfield.cli.validate import WorldName
+    from skinfield.lab.case_sets import WORLDS
+
+    assert get_args(WorldName) == tuple(WORLDS)
 
 
 def test_a_failing_solver_is_named_with_the_case_and_its_line(

@@ -92,7 +92,7 @@ MISTAKES = [
     ("[electronics.board]\nkind = 'linear'\ngain_counts = 9", "'gain_counts' is not known"),
     ("[patch]\nlayout = 'hexagon'", r"press.toml:3: \[patch\]: .*hexagon"),
     ("[patch]\nlayout = 'rectangular:rows=x'", r"\[patch\]: rows of rectangular is 'x'"),
-    ("[[indenter]]\nshape = 'sphere'\nradius_mm = 3\nshear_x_n = 1", "only goes up and down"),
+    ("[[indenter]]\nshape = 'sphere'\nradius_mm = 3\nshear_x_n = 1", "shear_part in .loads"),
     ("[loads]\nforces_n = []", "expected one of the two"),
     ("[loads]\nforces_n = [1e400]", "expected a list of finite numbers"),
     ("[loads]\nforces_n = [nan]", "expected a list of finite numbers"),

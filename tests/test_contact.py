@@ -18,7 +18,7 @@ from skinfield.elastic.contact import (
 )
 from skinfield.elastic.lattice import interpolation, lattice, mirrored
 from skinfield.errors import InputError, SkinfieldError
-from skinfield.simulate import Cylinder, Sphere, press
+from skinfield.simulate import Cylinder, Sphere, press, press_path
 
 MODULUS = 130e3  # E / (1 - nu²), Pa
 
@@ -207,7 +207,7 @@ def test_without_a_reached_limit_slip_is_stick() -> None:
 
 
 def test_too_much_shear_is_named() -> None:
-    with pytest.raises(InputError, match=r"shear of indenters\[0\] is 1 N, expected less than"):
+    with pytest.raises(InputError, match=r"shear of indenters\[0\] is 1 N, expected at most"):
         solve_slip(problem(0.0, [1.0, 0.0]), 1e-3 * PRESSURE.ravel())
     with pytest.raises(InputError, match=r"forces\[0\] is .* N, expected zero: the body does not"):
         problem(0.0, [1.0, 0.0], touching=np.zeros_like(INSIDE))
@@ -230,15 +230,15 @@ def test_a_sheared_press_carries_its_forces_and_moments_to_the_base() -> None:
     # Shear acts a thickness above the base and turns it there by normal stress.
     turned = np.array([places[:, 1] @ base[:, 2], -places[:, 0] @ base[:, 2]])
     h = LAYER.thickness
-    np.testing.assert_allclose(turned, [0.01 * h, 0.03 * h], atol=1e-6)
+    np.testing.assert_allclose(turned - found.moment[:2], [0.01 * h, 0.03 * h], atol=1e-6)
     np.testing.assert_allclose(found.base_stress(places, 0.0), -base[:, 2] / 1e-3**2, atol=1e-6)
 
 
 def test_a_wide_flat_end_shears_the_layer_as_a_block() -> None:
     """u = T h / (G area) for a contact much wider than the layer is thick."""
     thin = sf.Layer(0.5e-3, 100e3, 0.5)
-    found = press(thin, [Cylinder(radius=10e-3, force=1.0, shear=(1.0, 0.0))], extent=30e-3)
-    block = 0.5e-3 / (100e3 / 3 * np.pi * 10e-3**2)
+    found = press(thin, [Cylinder(radius=10e-3, force=1.0, shear=(0.01, 0.0))], extent=30e-3)
+    block = 0.01 * 0.5e-3 / (100e3 / 3 * np.pi * 10e-3**2)
     assert block * 0.9 < found.translation[0, 0] < block
     inner = np.hypot(*found.grid.plane.T) < 9e-3
     moved = (
@@ -248,28 +248,68 @@ def test_a_wide_flat_end_shears_the_layer_as_a_block() -> None:
     np.testing.assert_allclose(moved, found.translation[0, 0], rtol=2e-3)
 
 
-def test_shear_leaves_the_normal_contact_as_it_is_and_tips_the_gap() -> None:
-    plain, sheared = (
-        press(LAYER, [Sphere(radius=6e-3, shear=shear)], extent=20e-3)
-        for shear in [(0.0, 0.0), (0.4, 0.0)]
-    )
-    np.testing.assert_array_equal(plain.pressure, sheared.pressure)
-    np.testing.assert_array_equal(plain.gap, sheared.gap)
-    places = [[-3e-3, 0.0], [3e-3, 0.0]]
-    # By reflection: what shear adds to the two sides is opposite, in every quantity.
-    for read in (plain.base_stress, plain.gap_change):
-        before = read(places, 4e-3)
-        after = getattr(sheared, read.__name__)(places, 4e-3)
-        added = after - before
-        assert added[0] == pytest.approx(-added[1], rel=1e-3)
-        assert abs(added[0]) > 0.02 * np.abs(before).max()
-    node, weight = np.polynomial.legendre.leggauss(8)
-    r, angle = 2e-3 * np.sqrt((node + 1) / 2), np.arange(16) * np.pi / 8
-    disc = np.stack([np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))], -1).reshape(-1, 2)
-    points = sheared.gap_change(places[1] + disc, 0.0).reshape(8, 16).mean(axis=1)
-    assert weight / 2 @ points == pytest.approx(after[1], abs=1e-7)  # of the gap, by degree 5
-    added = sheared.capacitance(places, 4e-3, order=1) - plain.capacitance(places, 4e-3, order=1)
-    assert added[0] == pytest.approx(-added[1], rel=1e-3)
+@lru_cache
+def pushed(shear: float, friction: float | None = None):
+    return press(LAYER, [Sphere(radius=6e-3, shear=(shear, 0.0))], 20e-3, friction=friction)
+
+
+PLACES = np.array([[-3e-3, 0.0], [3e-3, 0.0]])
+
+
+def test_shear_adds_the_opposite_on_both_sides() -> None:
+    """By reflection at the plane across it, in every quantity, to first order."""
+    for read in ("base_stress", "gap_change"):
+        before, back, forth = (getattr(pushed(s), read)(PLACES, 4e-3) for s in (0.0, -0.1, 0.1))
+        np.testing.assert_allclose(back, forth[::-1], rtol=1e-5)
+        added = forth - before
+        assert added[0] == pytest.approx(-added[1], rel=0.1)
+        assert abs(added[0]) > 0.005 * np.abs(before).max()
+
+
+@pytest.mark.parametrize("friction", [None, 0.7, 0.4])
+def test_a_sheared_ball_rests_on_the_skin_that_its_shear_raises(friction: float | None) -> None:
+    """Its surface is the body's where it touches, from all tractions on single squares."""
+    found, ball = pushed(0.4, friction), Sphere(radius=6e-3)
+    (touch,) = found.touches
+    y, x = found._skin.axes(touch.window)
+    side = found._skin.side(touch.window)
+    squares = np.stack(np.meshgrid(x, y), -1).reshape(-1, 2)
+    loads = touch.traction.reshape(3, -1).T
+    for place in ([1.5e-3, 0.0], [-1.5e-3, 0.5e-3], [0.3e-3, -1.8e-3]):
+        at = squares[np.argmin(np.hypot(*(squares - place).T))]
+        each = sf.BondedLayer().surface_displacement(LAYER, at - squares, side)
+        sunk = -np.einsum("nj,nj->", each[:, 2], loads)
+        assert sunk == pytest.approx(found.approach[0] - ball.height(*at), abs=2e-6 * 0.6)
+    # The bulge ahead takes more of the load: without it the middle of the pressure would stay.
+    assert 0.1e-3 < found.moment[1] / found.force < 0.3e-3
+    assert found.slipping_share == {None: 0.0, 0.4: 1.0}.get(friction, found.slipping_share)
+
+
+def test_friction_from_the_first_touch_holds_the_skin_below_a_ball() -> None:
+    """By symmetry it adds no force aside, and what sticks stays where it was touched."""
+    steps = [[Sphere(radius=6e-3, force=force)] for force in (0.3, 0.6, 0.6)]
+    path = press_path(LAYER, steps, extent=12e-3, cell=1e-3, friction=0.5)
+    plain = press(LAYER, steps[-1], extent=12e-3, cell=1e-3)
+    assert 0.9 * plain.approach[0] < path[1].approach[0] < 0.98 * plain.approach[0]
+    np.testing.assert_allclose(path[1].shears, 0.0, atol=1e-6)
+    held = np.hypot(*path[1].traction[:, :2].T)
+    assert (held <= 0.5 * path[1].pressure * (1 + 1e-6)).all()
+    assert held.sum() > 0.1 * path[1].pressure.sum()
+    # The same load again changes nothing, and what sticks under more load does not move.
+    np.testing.assert_allclose(path[2].traction, path[1].traction, atol=2e-3 * held.max())
+    inner = np.hypot(*path[0].grid.plane.T) < 1.2e-3
+    moved = (path[1].displacement - path[0].displacement)[inner, :2]
+    free = plain.displacement[inner, :2] / 2  # as much would move with nothing to hold it
+    assert np.abs(moved).max() < 0.1 * np.abs(free).max()
+    with pytest.raises(InputError, match="of the same bodies each"):
+        press_path(LAYER, [steps[0], []])
+
+
+def test_a_ball_that_slides_is_held_at_the_limit_everywhere() -> None:
+    found = pushed(0.4, 0.4)
+    x, y = found.traction[:, 0], found.traction[:, 1]
+    np.testing.assert_allclose(x, 0.4 * found.pressure, atol=1e-4 * found.pressure.max())
+    assert np.abs(y).max() < 1e-9 * found.pressure.max()
 
 
 def test_a_limited_press_slips_in_part() -> None:
@@ -280,7 +320,7 @@ def test_a_limited_press_slips_in_part() -> None:
     stuck = press(LAYER, [BALL], extent=20e-3)
     assert stuck.slipping_share == 0.0
     assert np.linalg.norm(found.translation) > np.linalg.norm(stuck.translation)
-    with pytest.raises(InputError, match=r"it would slide; press harder or shear less"):
+    with pytest.raises(InputError, match=r"no skin holds more; press harder or shear less"):
         press(LAYER, [BALL], extent=20e-3, friction=0.2)
     cover = sf.BondedLayer(inextensible_cover=True)
     with pytest.raises(InputError, match="the cover takes every shear"):

@@ -178,3 +178,14 @@ def test_capped_rows_give_way_to_the_coincident_ones() -> None:
 def test_bad_input_is_named(call, message: str) -> None:
     with pytest.raises(InputError, match=message):
         call()
+
+
+def test_the_lift_of_a_pad_is_its_mean_over_the_pad() -> None:
+    """By the rule of degree 5, a pad's width away from the cell."""
+    model, layer, place, pad = HalfSpace(), Layer(), np.array([[7e-3, 2e-3]]), 2e-3
+    node, weight = np.polynomial.legendre.leggauss(12)
+    r, angle = pad / 2 * np.sqrt((node + 1) / 2), np.arange(24) * np.pi / 12
+    disc = np.stack([np.outer(r, np.cos(angle)), np.outer(r, np.sin(angle))], axis=-1)
+    points = model.surface_displacement(layer, (place + disc.reshape(-1, 2)), 0.5e-3)
+    mean = weight / 2 @ points[:, 2, :2].reshape(12, 24, 2).mean(axis=1)
+    np.testing.assert_allclose(model.lift(layer, place, 0.5e-3, pad)[0], mean, rtol=1e-4)

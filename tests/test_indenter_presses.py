@@ -20,7 +20,7 @@ from skinfield.simulate import (
     Wedge,
     press,
 )
-from skinfield.simulate.pressing.press import base_stress_below_cells, parts_of, pressure_by_body
+from skinfield.simulate.pressing.press import parts_of
 
 MM = 1e-3
 LAYER = sf.Layer(2 * MM, 100e3, 0.5)
@@ -124,7 +124,7 @@ def test_parts_of_a_press_add_up_to_it() -> None:
     assert centre_of(ball) == pytest.approx([-8 * MM, 1 * MM], abs=0.05 * MM)
     assert max(ball["peak_Pa"], ring["peak_Pa"]) == found.pressure.max()
     left = found.grid.plane[:, 0] < 0
-    each = pressure_by_body(found)
+    each = found.pressure_by_body
     assert each.sum(axis=0) == pytest.approx(found.pressure, rel=1e-12)
     assert not each[1, left].any()
     assert not each[0, ~left].any()
@@ -133,7 +133,7 @@ def test_parts_of_a_press_add_up_to_it() -> None:
 @pytest.mark.parametrize("shear", [(0.0, 0.0), (0.3, -0.1)])
 def test_the_map_of_base_stress_is_what_points_at_the_base_read(shear) -> None:
     found = press(LAYER, [replace(BALL, shear=shear)], extent=24 * MM, cell=0.4 * MM)
-    stress = base_stress_below_cells(found)
+    stress = found.base_stress_below_cells
     some = np.random.default_rng(0).choice(np.flatnonzero(stress > 0.05 * stress.max()), 25)
     want = found.base_stress(found.grid.plane[some], 0.0)
     assert stress[some] == pytest.approx(want, abs=0.01 * stress.max())

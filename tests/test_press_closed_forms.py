@@ -108,10 +108,12 @@ def test_a_rounded_flat_end(nu: float) -> None:
     assert np.sqrt(pressed.contact_area / np.pi) == pytest.approx(state.contact_radius, rel=0.01)
 
 
-@pytest.mark.parametrize("nu", [0.0, 0.5])
-def test_a_sheared_flat_end_that_sticks(nu: float) -> None:
-    """Moves as Mindlin says, on a layer of 400 contact radii."""
-    a, shear = 1e-3, 5e-4
+def test_a_sheared_flat_end_that_sticks() -> None:
+    """Moves as Mindlin says, on an incompressible layer of 400 contact radii.
+
+    Only there do tangential tractions not tip the surface, which Mindlin leaves out.
+    """
+    a, shear, nu = 1e-3, 5e-4, 0.5
     body = Cylinder(radius=a, force=1e-3, shear=(shear, 0.0))
     pressed = solved(Layer(400 * a, E, nu), body, a)
     moved = stuck_displacement(E, nu, a, shear)

@@ -102,6 +102,25 @@ def test_between_rungs_readings_are_interpolated_to_half_a_percent(body: object)
     assert ladder.force_at(ladder.depth_at(between)) == pytest.approx(between, rel=2e-3)
 
 
+def test_a_rig_that_pushes_aside_presses_at_a_slant() -> None:
+    """Half the force to the side: as the press itself, also of an indenter that is turned."""
+    loads = Loads(forces=(0.5,), shear_part=(0.0, 0.5), friction=0.5)
+    scenario = replace(SMALL, loads=loads, solving=COARSE)
+    ladder = solve_ladder(scenario, BALL, [Pose(0.0, 0.0), Pose(0.0, 0.0, np.pi)])
+    (load,) = ladder.loads
+    np.testing.assert_allclose(load.shears, [[0.0, 0.25]], rtol=1e-4, atol=1e-6)
+    assert load.slipping_share == 1.0
+    body = replace(BALL, force=0.5, shear=(0.0, 0.25))
+    alone = sf.simulate.press(scenario.true_layer, [body], 16e-3, 0.6e-3, friction=0.5)
+    plane, pad = scenario.true_plane, scenario.patch.pad_diameter
+    np.testing.assert_allclose(ladder.change[-1, 0], alone.capacitance(plane, pad), atol=1e-6)
+    back = alone.capacitance(-plane, pad)
+    np.testing.assert_allclose(ladder.change[-1, 1], back, atol=1e-6)
+    assert np.abs(ladder.change[-1, 0] - back).max() > 0.1 * np.abs(back).max()
+    with pytest.raises(InputError, match="beside depths, expected forces"):
+        Loads(depths=(1e-4,), shear_part=(0.5, 0.0))
+
+
 def test_forces_follow_the_profile_and_pressures_sum_to_them(creeping: RigRun) -> None:
     truth = creeping.truth
     assert truth.press_force_N == pytest.approx([0.5, 1.0, 0.5, 1.0], rel=1e-9)

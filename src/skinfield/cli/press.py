@@ -37,6 +37,7 @@ def press(
     mechanics: MechanicsName | None = None,
     extent_mm: Annotated[float | None, Positive("side of the skin, mm")] = None,
     cell_mm: Annotated[float, Positive("side of a cell, mm")] = 0.4,
+    friction: Annotated[float | None, Positive("Coulomb's coefficient")] = None,
     plot: str | None = None,
     output: Annotated[str | None, options.OUTPUT] = None,
     force: options.Force = False,
@@ -67,6 +68,7 @@ def press(
       skinfield press --indenter "cylinder radius=5 edge_radius=0.5 tilt_y=3 depth=0.3"
       skinfield press --indenter "sphere radius=6 x=-8" --indenter "ring inner_radius=3
           outer_radius=5 x=8 force=2" --skin hexagon72 -o press.npz
+      skinfield press --indenter "sphere radius=6 force=1 shear_x=0.4" --friction 0.6
       skinfield press --indenter "mesh file=part.stl force=2" --plot part.png
       skinfield press --indenter "heightmap file=logo.png pixel=0.1 relief=1 force=5"
 
@@ -82,6 +84,8 @@ def press(
         Side of the square of skin around the origin, mm.
     cell_mm : float, mm
         Side of a cell of the results, mm.
+    friction : float, optional
+        Coulomb's coefficient, for bodies with a shear. Default no limit: they stick.
     plot : str, optional
         Picture to write: .png, .pdf or .svg. Default press.png, or a name that is free.
     output : str, optional
@@ -107,6 +111,7 @@ def press(
         extent=_extent(bodies) if extent_mm is None else extent_mm * 1e-3,
         cell=cell_mm * 1e-3,
         mechanics=options.mechanics_of(mechanics or profile.mechanics),
+        friction=friction,
     )
     label, factor = LABELS[quantity]
     readings = None

@@ -23,6 +23,10 @@ from skinfield.settings import Positive, Range
 
 WIDE = 190  # columns of the terminal that a table of several noises takes
 Rows = list[dict[str, Any]]
+WorldName = Literal[
+    "as-stated", "sticking", "slipping", "friction", "nu-0.49", "nu-0.45", "nu-0.40", "cover",
+    "creep-0.1s", "creep-1s", "released-0.1s",
+]  # fmt: skip
 COLUMNS = (  # of the summary's rows
     Column("force\n%", "force_error", 100.0, 0),
     Column("place\nmm", "place_error_mm", 1.0, 2),
@@ -64,6 +68,8 @@ def validate(
     unseen: Annotated[int | None, Range(1, 100_000, "random presses")] = None,
     quantity: tuple[Literal["capacitance", "stress"], ...] = (),
     layout: options.LayoutText = "icub_hexagon",
+    world: tuple[WorldName, ...] = (),
+    group: Literal["single", "several", "extended"] | None = None,
     idle: Annotated[int, Range(1, 10_000_000, "readings of noise alone")] = 5000,
     workers: options.Workers = None,
     seed: options.Seed = 0,
@@ -91,6 +97,7 @@ def validate(
       skinfield validate exact --noise 0 --noise 400 --solver gaussian --solver contact
       skinfield validate --unseen 200 -o table.csv
       skinfield validate --unseen 20 --quantity stress --noise 400 --solver auto
+      skinfield validate --unseen 20 --group single --world sticking --world nu-0.45
 
     Parameters
     ----------
@@ -116,6 +123,14 @@ def validate(
         So many random presses, made here, instead of CASES.
     quantity : tuple of str
         What taxels read, with --unseen. Again for more. Default both.
+    world : tuple of str
+        What skin and touch truly are, with --unseen, while solvers are told that they are as
+        stated: a tangential force of half the normal one that sticks or slips, friction of 0.5
+        below bodies that press straight down, another Poisson's ratio, an inextensible cover, creep
+        of 15 % so long after a load came or went. Again for more.
+    group : str, optional
+        Of the random presses, with --unseen: balls and cones, two or three bodies, or flats, bars
+        and rings. Default each in its turn.
     idle : int
         Readings of noise alone, with --unseen.
     per_case : bool
@@ -148,7 +163,9 @@ def _check_together(values: dict[str, Any]) -> None:
     )
     needs = {
         **dict.fromkeys(("settings", "mechanics", "grid"), named),
-        **dict.fromkeys(("quantity", "layout", "idle", "workers"), (unseen, "--unseen")),
+        **dict.fromkeys(
+            ("quantity", "layout", "world", "group", "idle", "workers"), (unseen, "--unseen")
+        ),
         "seed": (unseen or noisy, "--unseen or --noise"),
         "per_case": (not unseen, "CASES: -o FILE.csv has every press"),
     }
@@ -176,6 +193,8 @@ def _of_unseen(values: dict[str, Any]) -> tuple[Any, str]:
         presses=values["unseen"],
         idle=values["idle"],
         seed=values["seed"],
+        worlds=tuple(dict.fromkeys(values["world"])),
+        group=values["group"],
     )
     number = options.processes(values["workers"])
     patch = plan.patch.name  # an unknown one is said before anything is computed
@@ -375,12 +394,16 @@ def table_of_summary(rows: Sequence[dict[str, Any]], title: str) -> Any:
     known = set().union(*rows)
     shown = [each for each in COLUMNS if {each.key, f"{each.key}_median"} & known]
     title += "; median/90th percentile"
-    made = report.table(title, ("noise", "solver"), [each.head for each in shown], box=SIMPLE_HEAD)
+    worlds = ("world",) if "world" in known else ()
+    words = (*worlds, "noise", "solver")
+    made = report.table(title, words, [each.head for each in shown], box=SIMPLE_HEAD)
+    places = [(row.get("world"), row["noise"]) for row in rows]
     for index, row in enumerate(rows):
-        new = index == 0 or row["noise"] != rows[index - 1]["noise"]
-        last = index + 1 == len(rows) or rows[index + 1]["noise"] != row["noise"]
+        new = index == 0 or places[index] != places[index - 1]
+        last = index + 1 == len(rows) or places[index + 1] != places[index]
         noise = "as it is" if row["noise"] is None else f"{row['noise']:g}"
-        cells = [noise if new else "", row["method"].rpartition(":")[2]]
+        heads = [*(row[each] for each in worlds), noise]
+        cells = [*(head if new else "" for head in heads), row["method"].rpartition(":")[2]]
         for key, factor, digits in ((each.key, each.factor, each.decimals or 0) for each in shown):
             ends = (f"{key}_median", f"{key}_p90") if f"{key}_median" in row else (key,)
             cells.append("/".join(_cut(row.get(end, math.nan) * factor, digits) for end in ends))

@@ -13,6 +13,8 @@ from skinfield.elastic.cell_integrals import (
     inverse_distance_integrals,
     inverse_distances,
     matrices,
+    mean_direction,
+    mean_direction_integral,
     mean_inverse,
     mean_inverse_distance,
     surface_tensor,
@@ -160,6 +162,42 @@ class BondedLayer:
             rim=pad,
         )
         return scale * total
+
+    def lift(
+        self,
+        layer: Layer,
+        offset: Floats,
+        cell: float,
+        pad_diameter: float = 0.0,
+        electrostatic: bool = False,
+    ) -> Floats:
+        """See `Mechanics.lift` and, for `electrostatic`, `Mechanics.indentation`.
+
+        It is 0 under a cover, which takes every tangential load.
+        """
+        if self.inextensible_cover:
+            return np.zeros((len(offset), 2))
+        nu = layer.poisson_ratio
+        scale = (1 + nu) * layer.thickness / layer.young_modulus
+        offset, cell, pad = in_thicknesses(layer, offset, cell, pad_diameter)
+        kernel = self._kernel(
+            layer, "coupling" if electrostatic else "coupling_rest", 1, pad, smooth=electrostatic
+        )
+        smooth: Kernel = lambda x, y: np.stack([x, y]) * kernel(np.hypot(x, y))  # noqa: E731
+        if electrostatic or nu == 0.5:
+            return scale * _integrate(smooth, offset, cell, pad).T
+        factor = -(1 - 2 * nu) / (2 * np.pi)
+        total = integrate_with_pole(
+            smooth,
+            lambda x, y: factor * mean_direction(x, y, pad),
+            lambda place, side: factor * mean_direction_integral(place, side, pad),
+            offset,
+            cell,
+            depth=1.0,
+            reach=REACH + pad,
+            rim=pad,
+        )
+        return scale * total.T
 
     def _displacement_rest(self, layer: Layer) -> Kernel:
         """The layer's displacement less the half-space's, smooth: entries as in `tensor`."""

@@ -320,6 +320,60 @@ def mean_inverse_distance(offset: Floats, cell: float, radius: float) -> Floats:
     return out
 
 
+def mean_direction(x: Floats, y: Floats, radius: float) -> Floats:
+    """The vector r/r² averaged over a disc, (2, ...): as of a charged rod (Gauss); 0 is a point."""
+    square = np.maximum(x**2 + y**2, radius**2)
+    return np.stack([x / square, y / square])
+
+
+def mean_direction_integral(offset: Floats, cell: float, radius: float) -> Floats:
+    r"""Integral (2, N) of r/r² over a square cell, averaged over a disc.
+
+    Parameters
+    ----------
+    offset, cell, radius
+        See `mean_inverse_distance`.
+
+    Notes
+    -----
+    The integrand is the gradient of ln r outside of the disc and of :math:`r^2/2a^2` within, so
+    the integral over the square is that of this potential over its sides, in closed form.
+    """
+    if radius == 0.0:
+        parts = inverse_distance_integrals(offset, cell)
+        return np.stack([parts.x, parts.y])
+    half = cell / 2
+    total = []
+    for axis in (0, 1):
+        across, along = offset[:, axis], offset[:, 1 - axis]
+        total.append(
+            sum(
+                sign * end * _along_side(across + sign * half, along + end * half, radius)
+                for sign in (1.0, -1.0)
+                for end in (1.0, -1.0)
+            )
+        )
+    return np.asarray(total)
+
+
+def _along_side(across: Floats, along: Floats, radius: float) -> Floats:
+    """Integral of the potential of `mean_direction` along a line, from its middle; odd in `along`.
+
+    The potential is 0 at the rim, so that terms stay small.
+    """
+    far, x = np.abs(along) / radius, np.abs(across) / radius
+    rim = np.sqrt(np.maximum(1.0 - x**2, 0.0))
+
+    def beyond(y: Floats) -> Floats:
+        square = np.maximum(x**2 + y**2, 1e-300)
+        return np.asarray(y / 2 * np.log(square) - y + x * np.arctan2(y, x))
+
+    inner = np.minimum(far, rim)
+    within = ((x**2 - 1.0) * inner + inner**3 / 3) / 2
+    outside = np.where(far > rim, beyond(far) - beyond(rim), 0.0)
+    return np.asarray(np.sign(along) * radius * (within + outside))
+
+
 def _side_integral(across: Floats, along: Floats, cell: float, radius: float) -> Floats:
     """Integrate over one side: the line at distance `across` + cell/2 from the disc's centre."""
     reach = across + cell / 2

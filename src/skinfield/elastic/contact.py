@@ -8,19 +8,18 @@ and for each body either d is prescribed or the integral of p is. Conjugate grad
 contact as an active set (Polonsky and Keer, Wear 231, 1999), the mean gap held apart where a force
 is prescribed.
 
-Tangential loads are a second stage (Goodman's way): bodies stick, or slip where Coulomb's limit is
-met. Below each body the skin moves along with it, by one translation, and what the normal pressure
-alone moved tangentially is neither undone nor opposed. With q the tangential traction, u = A q, and
-P the disc of radius mu p on each cell,
+Friction, in one step of a load from a state in which the surface is displaced along the plane by u0
+(Goodman's way). With q the tangential traction after it, A q + c the displacement, c that by the
+pressure, and P the disc of radius mu p on each cell,
 
-.. math:: q = P\left[q + \tau (d - A q)\right], \qquad \int q = T
+.. math:: q = P\left[q + \tau (d - A q - c + u_0)\right], \qquad \int q = T
 
-for each body's translation d and force T; without a limit it is A q = d (Cattaneo 1938, Mindlin
-1949). One step from rest: the history of a load that turns or falls is not followed.
+for the translation d of each body in this step and its tangential force T; without a limit it is
+A q + c - u0 = d where there is touch (Cattaneo 1938, Mindlin 1949).
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -277,7 +276,7 @@ MOST_SHEAR_ITERATIONS = 5000
 
 @dataclass(frozen=True, eq=False)
 class ShearProblem:
-    """Tangential forces on bodies that touch.
+    """Tangential forces on bodies that touch, after one step of a load.
 
     Attributes
     ----------
@@ -291,6 +290,11 @@ class ShearProblem:
         Of each cell.
     forces : (bodies, 2) array, N
         On the skin.
+    ahead : (2, N) array, m, optional
+        By how far the surface is ahead of where it was, without tangential traction: c - u0 in the
+        terms of this module. Default nowhere.
+    start : (2, N) array, Pa, optional
+        Tractions to start from.
     """
 
     slide: Callable[[Floats], Floats]
@@ -298,6 +302,8 @@ class ShearProblem:
     bodies: NDArray[np.int64]
     area: Floats
     forces: Floats
+    ahead: Floats | None = None
+    start: Floats | None = None
 
     def __post_init__(self) -> None:
         loose = [
@@ -310,6 +316,19 @@ class ShearProblem:
                 f"forces[{loose[0]}] is {self.forces[loose[0]]} N, expected zero: the body does "
                 "not touch the skin, press it deeper"
             )
+
+    def moved(self, traction: Floats) -> Floats:
+        """Displacement (2, N) m of the surface in this step under a traction (2, N) Pa."""
+        slid = self.slide(traction)
+        return slid if self.ahead is None else slid + self.ahead
+
+    def first(self) -> Floats:
+        """Traction (2, N) to start from, with the given forces: each force spread evenly."""
+        start = np.zeros((2, len(self.area))) if self.start is None else self.start
+        start = np.where(self.touching, start, 0.0)
+        area = self.sums(np.ones_like(start))
+        missing = (self.forces - self.sums(start)) / np.maximum(area, 1e-300)
+        return np.where(self.touching, start + missing.T[:, self.bodies], 0.0)
 
     def sums(self, values: Floats) -> Floats:
         """Sum over the touching cells of each body, (bodies, 2), of values (2, N) times area."""
@@ -333,12 +352,12 @@ class Shear:
     traction : (2, N) array, Pa
         On the skin.
     translation : (bodies, 2) array, m
-        Of each body.
+        Of each body in this step; of one that slides, the mean of the skin's below it.
     slipping : (N,) bool array
         Cells at Coulomb's limit.
     residual : float
-        The largest difference, over the largest translation, between what each cell moves and what
-        it should: as its body where it sticks; where it slips, behind it and against the traction.
+        The largest difference, over the largest movement, between what each cell moves and what it
+        should: as its body where it sticks; where it slips, behind it and against the traction.
     iterations : int
     """
 
@@ -364,13 +383,13 @@ def solve_stick(
     SkinfieldError
         If it does not converge.
     """
-    traction = _uniform(problem)
-    moved, fresh = problem.slide(traction), True
+    traction = problem.first()
+    moved, fresh = problem.moved(traction), True
     direction, previous = np.zeros_like(traction), np.inf
     for iteration in range(most_iterations):
         translation, apart, error = _left(problem, moved)
         if error <= tolerance and not fresh:  # certify with what was not summed up
-            moved, fresh = problem.slide(traction), True
+            moved, fresh = problem.moved(traction), True
             translation, apart, error = _left(problem, moved)
         if problem.forces.any() and not translation.any():
             raise _stiff()
@@ -415,16 +434,19 @@ def solve_slip(
         If it does not converge.
     """
     limit = np.where(problem.touching, limit, 0.0)
-    _check_holds(problem, limit)
+    sliding = _sliding(problem, limit)
+    if sliding.any():
+        return _slide(problem, limit, sliding, tolerance, most_iterations)
     rate = 1.0 / (1.05 * _largest(problem))
-    traction = _uniform(problem)
+    traction = problem.first()
     ahead, momentum = traction.copy(), 1.0
     translation = np.zeros((len(problem.forces), 2))
     for iteration in range(most_iterations):
-        wanted = ahead - rate * problem.slide(ahead)
+        moved = problem.moved(ahead)
+        wanted = ahead - rate * moved
         translation = _balanced(problem, wanted, limit, translation, rate)
         new = _within(wanted + rate * translation.T[:, problem.bodies], limit)
-        error = _relative((new - ahead) / rate, translation)
+        error = _relative(np.where(problem.touching, (new - ahead) / rate, 0.0), translation, moved)
         if error <= tolerance:
             size = np.hypot(*new)
             slipping = problem.touching & (size >= limit * (1 - 1e-9))
@@ -437,22 +459,16 @@ def solve_slip(
     raise _unsettled(error, most_iterations, tolerance)
 
 
-def _uniform(problem: ShearProblem) -> Floats:
-    """Each force spread evenly over the touching cells of its body, (2, N)."""
-    area = problem.sums(np.ones((2, len(problem.area))))
-    spread = problem.forces / np.maximum(area, 1e-300)
-    return np.where(problem.touching, spread.T[:, problem.bodies], 0.0)
-
-
 def _left(problem: ShearProblem, moved: Floats) -> tuple[Floats, Floats, float]:
     """Translation of each body, what its cells lack of it, and that relative to it."""
     translation = problem.means(moved)
     apart = np.where(problem.touching, translation.T[:, problem.bodies] - moved, 0.0)
-    return translation, apart, _relative(apart, translation)
+    return translation, apart, _relative(apart, translation, np.where(problem.touching, moved, 0.0))
 
 
-def _relative(apart: Floats, translation: Floats) -> float:
-    return float(np.hypot(*apart).max() / max(np.hypot(*translation.T).max(), 1e-300))
+def _relative(apart: Floats, translation: Floats, moved: Floats) -> float:
+    most = max(float(np.hypot(*translation.T).max()), float(np.hypot(*moved).max()), 1e-300)
+    return float(np.hypot(*apart).max()) / most
 
 
 def _within(traction: Floats, limit: Floats) -> Floats:
@@ -469,12 +485,13 @@ def _balanced(
     The force is the gradient of a convex function of the translation, with the derivative 1 times
     area where a cell sticks and limit/size times area across the traction where it slips.
     """
+    most = np.abs(problem.forces).max() + float(np.sum(problem.area * limit))
     for _ in range(60):
         raw = wanted + rate * translation.T[:, problem.bodies]
         size = np.maximum(np.hypot(*raw), 1e-300)
         short = np.minimum(1.0, limit / size)
         missing = problem.forces - problem.sums(raw * short)
-        if np.abs(missing).max() <= 1e-10 * np.abs(problem.forces).max():
+        if np.abs(missing).max() <= 1e-10 * most:
             break
         x, y = raw / size
         slips = short < 1.0
@@ -505,17 +522,48 @@ def _largest(problem: ShearProblem) -> float:
     return value
 
 
-def _check_holds(problem: ShearProblem, limit: Floats) -> None:
+HELD = 1e-5  # of Coulomb's limit: a force as near to it slides
+
+
+def _sliding(problem: ShearProblem, limit: Floats) -> NDArray[np.bool_]:
+    """Bodies (bodies,) at Coulomb's limit; InputError for one beyond."""
     most = problem.sums(np.stack([limit, limit]))[:, 0]
     force = np.hypot(*problem.forces.T)
-    over = force >= most * (1 - 1e-6)
-    over &= force > 0
+    over = (force > most * (1 + HELD)) & (force > 0)
     if over.any():
         body = int(np.argmax(over))
         raise InputError(
-            f"the shear of indenters[{body}] is {force[body]:g} N, expected less than friction "
-            f"times its force, {most[body]:g} N: it would slide; press harder or shear less"
+            f"the shear of indenters[{body}] is {force[body]:g} N, expected at most friction "
+            f"times its force, {most[body]:g} N: no skin holds more; press harder or shear less"
         )
+    return np.asarray((force >= most * (1 - HELD)) & (force > 0))
+
+
+def _slide(
+    problem: ShearProblem,
+    limit: Floats,
+    sliding: NDArray[np.bool_],
+    tolerance: float,
+    most_iterations: int,
+) -> Shear:
+    """Some bodies slide: all of their cells are at the limit, along the force. Others hold."""
+    along = problem.forces / np.maximum(np.hypot(*problem.forces.T), 1e-300)[:, None]
+    gone = problem.touching & sliding[problem.bodies]
+    full = np.where(gone, limit * along.T[:, problem.bodies], 0.0)
+    held = replace(
+        problem,
+        touching=problem.touching & ~gone,
+        forces=np.where(sliding[:, None], 0.0, problem.forces),
+        ahead=problem.moved(full),
+    )
+    if not held.touching.any():
+        rest = Shear(np.zeros_like(full), np.zeros(problem.forces.shape), gone, 0.0, 0)
+    else:
+        rest = solve_slip(held, limit, tolerance, most_iterations)
+    traction = rest.traction + full
+    below = problem.means(problem.moved(traction))
+    translation = np.where(sliding[:, None], below, rest.translation)
+    return Shear(traction, translation, rest.slipping | gone, rest.residual, rest.iterations)
 
 
 def _stiff() -> SkinfieldError:

@@ -172,6 +172,27 @@ class Mechanics(Protocol):
         """
         ...
 
+    def lift(
+        self,
+        layer: Layer,
+        offset: Floats,
+        cell: float,
+        pad_diameter: float = 0.0,
+    ) -> Floats:
+        """Displacement out of the skin above a pad, under a unit tangential traction on one cell.
+
+        Parameters
+        ----------
+        layer, offset, cell, pad_diameter
+            See `base_stress`.
+
+        Returns
+        -------
+        (N, 2) array, m/Pa
+            By traction along x, and along y. A skin that is pushed rises ahead and sinks behind.
+        """
+        ...
+
     def reach(self, layer: Layer) -> float:
         """Distance in m beyond which responses are negligible; infinite if they never are."""
         ...

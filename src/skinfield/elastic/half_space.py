@@ -293,6 +293,19 @@ class HalfSpace:
         sunk = self._spread(_depth(nu, pad), offset, cell)
         return scale * (above / (2.0 * np.pi) - sunk)
 
+    def lift(self, layer: Layer, offset: Floats, cell: float, pad_diameter: float = 0.0) -> Floats:
+        """See `Mechanics.lift`; effective, eq. (17). Of a pad by the rule of degree 5 on a disc."""
+        angle = np.arange(6) * np.pi / 3  # Stroud's S2 5-1
+        ring = np.column_stack([np.cos(angle), np.sin(angle)]) * pad_diameter * np.sqrt(1 / 6)
+        places = np.concatenate([np.zeros((1, 2)), ring]) if pad_diameter else np.zeros((1, 2))
+        weights = [0.25, *[0.125] * 6] if pad_diameter else [1.0]
+        return np.asarray(
+            sum(
+                weight * self.surface_displacement(layer, offset + place, cell)[:, 2, :2]
+                for place, weight in zip(places, weights, strict=True)
+            )
+        )
+
     def _of_point_forces(self, layer: Layer, offset: Floats, cell: float) -> Floats:
         """Effective displacement, m/N, with the coincident terms at and, if asked, near zero."""
         psi = self.psi

@@ -65,6 +65,19 @@ def cached_surface_kernel(
     return np.stack(every).reshape(3, 3, *every[0].shape)
 
 
+def cached_lift_kernel(
+    mechanics: Mechanics, layer: Layer, cell: float, step: float, half_rows: int, half_columns: int
+) -> Floats:
+    """Displacement along z per traction along x and y, (2, ...) m/Pa, as `cached_surface_kernel`.
+
+    Of a medium that is the same in all directions.
+    """
+    size = _size(max(half_rows, half_columns) + 1)
+    table = _cached(_lift_table, mechanics, layer, cell, step, size) / layer.young_modulus
+    part = slice(half_rows + 1), slice(half_columns + 1)
+    return np.stack([mirrored(table[part], odd_x=True), mirrored(table.T[part], odd_y=True)])
+
+
 def _cached(
     table: Callable[..., Floats],
     mechanics: Mechanics,
@@ -102,6 +115,15 @@ def _surface_table(
     """One quadrant (3, 3, size, size), m."""
     response = mechanics.surface_displacement(layer, lattice(size - 1, size - 1, step), cell)
     table = np.ascontiguousarray(np.moveaxis(response.reshape(size, size, 3, 3), (2, 3), (0, 1)))
+    table.setflags(write=False)
+    return table
+
+
+@lru_cache(maxsize=8)
+def _lift_table(mechanics: Mechanics, layer: Layer, cell: float, step: float, size: int) -> Floats:
+    """One quadrant (size, size) by traction along x, m."""
+    response = mechanics.lift(layer, lattice(size - 1, size - 1, step), cell)[:, 0]
+    table = np.ascontiguousarray(response.reshape(size, size))
     table.setflags(write=False)
     return table
 

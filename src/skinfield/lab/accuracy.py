@@ -15,7 +15,7 @@ from skinfield.design import SkinDesign, Touch
 from skinfield.design.design import respond
 from skinfield.elastic.axisymmetric import Paraboloid, indent_by_force
 from skinfield.errors import Floats, InputError, SkinfieldError
-from skinfield.lab.case_sets import CELL, SILICONE, random_press
+from skinfield.lab.case_sets import AS_STATED, CELL, SILICONE, WORLDS, random_press
 from skinfield.lab.cases import NOTHING, QUANTITIES, Case, TrueContact, Truth
 from skinfield.lab.runner import Task, run
 from skinfield.lab.score import Row, quantiles, rate_row, summarise, where
@@ -50,6 +50,10 @@ class AccuracyPlan:
     cell : float, m
         Of the truth's grid.
     seed : int
+    worlds : tuple of str
+        Of `case_sets.WORLDS`: what skin and touch truly are. Without any they are as stated.
+    group : "single", "several" or "extended", optional
+        Of the presses. Default each in its turn.
     """
 
     entrants: tuple[Entrant, ...]
@@ -59,6 +63,8 @@ class AccuracyPlan:
     idle: int = 5000
     cell: float = CELL
     seed: int = 0
+    worlds: tuple[str, ...] = ()
+    group: str | None = None
 
     @property
     def patch(self) -> Patch:
@@ -73,7 +79,7 @@ class Findings:
     Attributes
     ----------
     rows : list of dict
-        One per press, level and entrant, see `rows_of_case`.
+        One per press, level and entrant, see `rows_of_case`; with the world where one was named.
     bound : list of dict
         Errors of estimates at the Cramér-Rao bound, for presses by balls.
     idle : list of dict
@@ -86,22 +92,27 @@ class Findings:
 
 
 def rows_of_presses(
-    folder: Path, plan: AccuracyPlan, first: int, last: int
+    folder: Path, plan: AccuracyPlan, first: int, last: int, name: str | None = None
 ) -> dict[str, list[Row]]:
-    """Rows of the presses from `first` up to `last`, and of the bound where balls press."""
-    patch = plan.patch
+    """Rows of the presses from `first` up to `last` in a world.
+
+    And of the bound, where balls press and all is as stated.
+    """
+    patch, world = plan.patch, AS_STATED if name is None else WORLDS[name]
     rows: list[Row] = []
     bound: list[Row] = []
     for index in range(first, last):
-        pressed = random_press(patch, index, plan.seed, SILICONE, plan.cell)
-        about = {"group": pressed.group}
+        pressed = random_press(patch, index, plan.seed, SILICONE, plan.cell, world, plan.group)
+        about: Row = {} if name is None else {"world": name}
+        about |= {"group": pressed.group}
         for quantity in dict.fromkeys(level.quantity for level in plan.levels):
             levels = [level for level in plan.levels if level.quantity == quantity]
             case = Case.from_press(pressed.name, pressed.press, patch, quantity, pressed.pose)
+            case = world.case(pressed, SILICONE, case)
             made = rows_of_case(case, levels, plan.entrants, noise_seed(plan.seed, index))
             rows += [about | row for row in made]
         balls = [body for body in pressed.press.indenters if isinstance(body, Sphere)]
-        if len(balls) == len(pressed.press.indenters):
+        if world == AS_STATED and len(balls) == len(pressed.press.indenters):
             rng = np.random.default_rng([plan.seed, index, 1])
             about |= {"case": pressed.name}
             bound += [about | row for row in bound_rows(plan, balls, case.truth, rng)]
@@ -215,7 +226,8 @@ def computed(
     """
     results = {}
     tasks = [  # independent, and they leave no files
-        Task(f"presses-{k:04d}", rows_of_presses, (plan, k, min(k + SHARE, plan.presses)))
+        Task(f"presses-{k:04d}-{w}", rows_of_presses, (plan, k, min(k + SHARE, plan.presses), w))
+        for w in plan.worlds or (None,)
         for k in range(0, plan.presses, SHARE)
     ]
     tasks += [
@@ -237,7 +249,7 @@ def computed(
 
 
 def accuracy_rows(findings: Findings, resamples: int = 999, seed: int = 0) -> list[Row]:
-    """One row per quantity, noise and entrant, with the bounds after the entrants.
+    """One row per world, quantity, noise and entrant, with the bounds after the entrants.
 
     Beside what `summarise` makes, ``place_held`` and ``force_held`` are the shares of the contacts
     found whose stated 90 % regions hold the truth, and ``idle_false_per_reading`` is the mean of
@@ -245,9 +257,10 @@ def accuracy_rows(findings: Findings, resamples: int = 999, seed: int = 0) -> li
     """
     out: list[Row] = []
     rows = findings.rows
-    for quantity, noise in dict.fromkeys((r["quantity"], r["noise"]) for r in rows):
+    keys = ("world", "quantity", "noise") if rows and "world" in rows[0] else ("quantity", "noise")
+    for values in dict.fromkeys(tuple(row[key] for key in keys) for row in rows):
         for name in (*dict.fromkeys(row["method"] for row in rows), *PRIORS):
-            head: Row = {"quantity": quantity, "noise": noise, "method": name}
+            head: Row = dict(zip(keys, values, strict=True)) | {"method": name}
             mine = where(findings.bound if name in PRIORS else rows, **head)
             if not mine:
                 continue
@@ -259,7 +272,8 @@ def accuracy_rows(findings: Findings, resamples: int = 999, seed: int = 0) -> li
             matches = sum(row["matched"] for row in mine)
             for key in ("place_held", "force_held"):
                 numbers |= rate_row(key, sum(row[key] for row in mine), matches)
-            idle = where(findings.idle, **head)
+            still = {key: value for key, value in head.items() if key != "world"}
+            idle = where(findings.idle, **still)
             readings = sum(row["idle"] for row in idle)
             if readings:
                 alarms = sum(row["false"] for row in idle)

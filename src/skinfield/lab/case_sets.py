@@ -1,4 +1,4 @@
-"""Sets of simulated cases: one of each standard kind, and random presses of a seed."""
+"""Sets of simulated cases: each standard kind, and random presses of a seed in any world."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
@@ -7,10 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from skinfield.elastic import BondedLayer, Layer
+from skinfield.elastic import BondedLayer, Layer, StandardLinearSolid
 from skinfield.errors import Floats, InputError
-from skinfield.lab.cases import Case
-from skinfield.simulate import Bar, Cone, Cylinder, Press, Ring, Sphere, press
+from skinfield.lab.cases import NOTHING, Case
+from skinfield.simulate import Bar, Cone, Cylinder, Press, Ring, Sphere, press, press_path
 from skinfield.simulate.rig import Pose
 from skinfield.skin import Patch
 
@@ -121,6 +121,112 @@ def _solved(kind: CaseKind, cell: float) -> Press:
     return press(kind.layer, list(kind.bodies), extent=2 * AROUND, cell=cell, mechanics=cover)
 
 
+@dataclass(frozen=True, kw_only=True)
+class World:
+    """What skin and touch truly are, where a solver is told that they are as stated.
+
+    Parameters
+    ----------
+    poisson_ratio : float, optional
+        Of the layer. Default as stated.
+    cover : bool
+        An inextensible cover lies on it.
+    shear : float
+        Tangential force of each body as a part of its normal force, in a random direction.
+    friction : float, optional
+        Coulomb's coefficient. Default none: all that touches sticks.
+    steps : int
+        Of the load, with friction from the first touch on; 0 for bodies that are pressed on without
+        friction and then pushed.
+    elastomer : StandardLinearSolid, optional
+        How the layer creeps under a load that comes at once and stands. Its modulus is stated as it
+        is after long. Default not at all.
+    after : float, s
+        From the load, or its release, to the reading.
+    released : bool
+        The load stood for long, and is off again.
+    """
+
+    poisson_ratio: float | None = None
+    cover: bool = False
+    shear: float = 0.0
+    friction: float | None = None
+    steps: int = 0
+    elastomer: StandardLinearSolid | None = None
+    after: float = 0.0
+    released: bool = False
+
+    def layer(self, stated: Layer) -> Layer:
+        """The layer as it is."""
+        if self.poisson_ratio is None:
+            return stated
+        return replace(stated, poisson_ratio=self.poisson_ratio)
+
+    def press(self, stated: Layer, bodies: list[Any], extent: float, cell: float) -> Press:
+        """Solve for bodies with their forces and shears."""
+        where = extent, cell, BondedLayer(inextensible_cover=self.cover), self.friction
+        if not self.steps:
+            return press(self.layer(stated), bodies, *where)
+        path = [
+            [replace(body, force=body.force * step / self.steps) for body in bodies]
+            for step in range(1, self.steps + 1)
+        ]
+        return press_path(self.layer(stated), path, *where)[-1]
+
+    @property
+    def share(self) -> float:
+        """Elastic force of the deformation at the reading, as a part of the load.
+
+        See `StandardLinearSolid`: of a step 1 - (1 - E∞/E₀) exp(-t/τ), and the rest of it once the
+        step is taken back.
+        """
+        if self.elastomer is None:
+            return 1.0
+        solid = self.elastomer
+        left = (1.0 - solid.relaxed_fraction) * np.exp(-self.after / solid.retardation_time)
+        return float(left if self.released else 1.0 - left)
+
+    def case(self, made: "RandomPress", stated: Layer, case: Case) -> Case:
+        """A case of this world's press as it is stated: by the layer without cover, and the load.
+
+        Parameters
+        ----------
+        made : RandomPress
+        stated : Layer
+        case : Case
+            Of the press.
+        """
+        truth = case.truth
+        if self.released:
+            truth = NOTHING
+        elif self.share < 1.0:
+            contacts = tuple(
+                replace(contact, force=float(force))
+                for contact, force in zip(
+                    truth.contacts, made.press.forces / self.share, strict=True
+                )
+            )
+            truth = replace(truth, pressure=truth.pressure / self.share, contacts=contacts)
+        return replace(case, layer=stated, mechanics=BondedLayer(), truth=truth)
+
+
+CREEP = StandardLinearSolid(relaxed_fraction=0.85, time_constant=1.0)
+WORLDS = {
+    "as-stated": World(),
+    "sticking": World(shear=0.5),
+    "slipping": World(shear=0.5, friction=0.5),
+    "friction": World(friction=0.5, steps=4),
+    "nu-0.49": World(poisson_ratio=0.49),
+    "nu-0.45": World(poisson_ratio=0.45),
+    "nu-0.40": World(poisson_ratio=0.40),
+    "cover": World(cover=True),
+    "creep-0.1s": World(elastomer=CREEP, after=0.1),
+    "creep-1s": World(elastomer=CREEP, after=1.0),
+    "released-0.1s": World(elastomer=CREEP, after=0.1, released=True),
+}
+AS_STATED = WORLDS["as-stated"]
+
+
 class RandomPress(NamedTuple):
     """A press that is solved about the origin, and where it is on the patch.
 
@@ -140,7 +246,13 @@ class RandomPress(NamedTuple):
 
 
 def random_press(
-    patch: Patch, index: int, seed: int = 0, layer: Layer = SILICONE, cell: float = CELL
+    patch: Patch,
+    index: int,
+    seed: int = 0,
+    layer: Layer = SILICONE,
+    cell: float = CELL,
+    world: World = AS_STATED,
+    group: str | None = None,
 ) -> RandomPress:
     """Make one press of a campaign; the same arguments give the same press.
 
@@ -159,9 +271,13 @@ def random_press(
     layer : Layer
     cell : float, m
         Of the truth's grid.
+    world : World
+        In which it happens. Places, bodies and first loads are the same in all of them.
+    group : "single", "several" or "extended", optional
+        Default each in its turn.
     """
     rng = np.random.default_rng([seed, index])
-    group = GROUPS[index % len(GROUPS)]
+    group = GROUPS[index % len(GROUPS)] if group is None else group
     low, high = patch.plane.min(axis=0), patch.plane.max(axis=0)
     middle, half = (low + high) / 2, INSET / 2 * (high - low)
     places, apart = _places(rng, group, half)
@@ -173,11 +289,13 @@ def random_press(
         )
     ]
     extent = 2 * (float(np.abs(places - centre).max()) + AROUND)
-    solved = _pressed(rng, layer, bodies, extent, cell)
+    ways = np.random.default_rng([seed, index, 2]).uniform(0.0, 2 * np.pi, len(bodies))
+    solved = _pressed(rng, layer, bodies, extent, cell, world, ways)
     angle = float(rng.uniform(0.0, 2 * np.pi)) if group == EXTENDED else 0.0
     x, y = (middle + centre).tolist()
     what = "_".join(sorted({body.kind.replace(" ", "-") for body in bodies}))
-    name = f"{index:04d}_{len(bodies) if len(bodies) > 1 else ''}{what}_{solved.force:.2f}N"
+    load = solved.force / world.share
+    name = f"{index:04d}_{len(bodies) if len(bodies) > 1 else ''}{what}_{load:.2f}N"
     return RandomPress(name, group, solved, Pose(x, y, angle))
 
 
@@ -277,13 +395,27 @@ MAKERS: dict[str, tuple[tuple[Maker, ...], tuple[float, ...]]] = {  # with their
 
 
 def _pressed(
-    rng: np.random.Generator, layer: Layer, bodies: list[Any], extent: float, cell: float
+    rng: np.random.Generator,
+    layer: Layer,
+    bodies: list[Any],
+    extent: float,
+    cell: float,
+    world: World,
+    ways: Floats,
 ) -> Press:
-    """Solve with random loads, drawn again where the layer does not bear them."""
+    """Solve with random loads, drawn again where the layer does not bear them.
+
+    A shear goes one of the `ways` (bodies,) rad.
+    """
     for _ in range(LOADINGS):
-        loaded = [replace(body, force=_log(rng, *LOADS)) for body in bodies]
+        forces = [world.share * _log(rng, *LOADS) for _ in bodies]
+        loaded = [
+            replace(body, force=force, shear=(along * np.cos(way), along * np.sin(way)))
+            for body, force, way in zip(bodies, forces, ways.tolist(), strict=True)
+            for along in (world.shear * force,)
+        ]
         try:
-            solved = press(layer, loaded, extent, cell)
+            solved = world.press(layer, loaded, extent, cell)
         except InputError as error:
             if "sinks" not in str(error):
                 raise

@@ -42,12 +42,15 @@ class TrueContact:
         That touches; NaN where it is not known.
     kind : str
         What pressed, in words.
+    shear : (x, y), N
+        Tangential force on the skin, in the patch's plane.
     """
 
     position: tuple[float, float]
     force: float
     area: float = float("nan")
     kind: str = "body"
+    shear: tuple[float, float] = (0.0, 0.0)
 
     def __post_init__(self) -> None:
         position = as_floats("position", self.position)
@@ -264,16 +267,21 @@ def truth_of_press(press: Press, pose: Pose) -> Truth:
     """All that is known of a simulated press where it is: one contact per indenter that touches."""
     displacement = press.displacement.copy()
     displacement[:, :2] = displacement[:, :2] @ pose.turn.T
-    parts = [one for one in parts_of(press) if one["force_N"] > 0.0]
+    every = parts_of(press)
+    touches = [one["force_N"] > 0.0 for one in every]
+    parts = [one for one, touching in zip(every, touches, strict=True) if touching]
     places = pose.carried(np.array([(one["x_m"], one["y_m"]) for one in parts]).reshape(-1, 2))
+    shears = press.shears[touches] @ pose.turn.T
     return Truth(
         cell=press.grid.pitch,
         plane=pose.carried(press.grid.plane),
         pressure=press.pressure,
         displacement=displacement,
         contacts=tuple(
-            TrueContact((x, y), one["force_N"], one["area_m2"], one["body"])
-            for one, (x, y) in zip(parts, places.tolist(), strict=True)
+            TrueContact((x, y), one["force_N"], one["area_m2"], one["body"], (along, across))
+            for one, (x, y), (along, across) in zip(
+                parts, places.tolist(), shears.tolist(), strict=True
+            )
         ),
         source="skinfield.simulate.pressing.press",
     )

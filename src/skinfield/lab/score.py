@@ -194,7 +194,9 @@ def summarise(rows: Sequence[Row], resamples: int = RESAMPLES, seed: int = 0) ->
     for name in [name for name in MEASURES if name in rows[0]]:
         low, high = median_interval(np.abs(column(rows, name)), resamples, seed)
         out |= {f"{name}_low": low, f"{name}_high": high}
-    out["force_bias"] = float(np.nanmedian(column(rows, "force_error")))
+    errors = column(rows, "force_error")
+    known = errors[np.isfinite(errors)]
+    out["force_bias"] = float(np.median(known)) if len(known) else math.nan
     out |= rate_row("missed", sum(row["missed"] for row in rows), contacts)
     out |= rate_row("false_share", sum(row["false"] > 0 for row in rows), len(rows))
     right = sum(row["matched"] + row["false"] == row["contacts"] for row in rows)

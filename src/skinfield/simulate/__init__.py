@@ -16,3 +16,4 @@ from skinfield.simulate.pressing.press import Press as Press
 from skinfield.simulate.pressing.press import ladder_steps as ladder_steps
 from skinfield.simulate.pressing.press import press as press
 from skinfield.simulate.pressing.press import press_ladder as press_ladder
+from skinfield.simulate.pressing.press import press_path as press_path

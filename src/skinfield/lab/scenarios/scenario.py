@@ -52,7 +52,7 @@ LAYOUT = "icub_hexagon"
 PRESETS = {"icub": icub_electronics, "cyskin": cyskin_electronics, "ideal": ideal_electronics}
 BOARDS = {"icub": ICubBoard, "cyskin": CySkinBoard, "linear": LinearBoard}
 NO_LOAD = "no load here: those of all indenters are in [loads]"
-NO_SHEAR = "no shear here: the rig's actuator only goes up and down"
+NO_SHEAR = "no shear here: shear_part in [loads] is that of all indenters"
 NOT_HERE = {
     "force_n": NO_LOAD, "depth_mm": NO_LOAD, "shear_x_n": NO_SHEAR, "shear_y_n": NO_SHEAR,
 }  # fmt: skip

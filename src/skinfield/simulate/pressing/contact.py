@@ -304,17 +304,35 @@ def _solve(
     tolerance: float = TOLERANCE,
 ) -> Settled:
     indenting = Yielding(coverings.skin, coverings.windows)
-    problem = ContactProblem(
+    problem = problem_of(coverings, indenting, indenters)
+    contact = solve_contact(problem, start, coverings.softness, tolerance)
+    return Settled(coverings, indenting, contact, whole)
+
+
+def problem_of(
+    coverings: Coverings,
+    indenting: Yielding,
+    indenters: Sequence[Indenter],
+    lift: Floats | None = None,
+) -> ContactProblem:
+    """Contact on all windows, with the surface raised by `lift` (N,) m before any pressure."""
+    heights = coverings.chosen(coverings.each)
+    return ContactProblem(
         lambda pressure: indenting(pressure[None])[0],
         indenting.own,
-        coverings.chosen(coverings.each),
+        heights if lift is None else heights - lift,
         coverings.bodies,
         coverings.area,
         np.array([body.force for body in indenters], dtype=np.float64),  # None is NaN
         np.array([body.depth for body in indenters], dtype=np.float64),
     )
-    contact = solve_contact(problem, start, coverings.softness, tolerance)
-    return Settled(coverings, indenting, contact, whole)
+
+
+def widened(settled: Settled, indenters: Sequence[Indenter], margin: int) -> Settled:
+    """The same contact solved again on windows that reach some cells farther."""
+    windows = _windows(settled, margin)
+    coverings = _lay(settled.coverings.skin, indenters, windows, settled.contact.approach)
+    return _solve(coverings, settled.whole, indenters, _carried_over(settled, coverings))
 
 
 def _first_push(coverings: Coverings, indenters: Sequence[Indenter]) -> Floats:
@@ -332,6 +350,30 @@ def _first_push(coverings: Coverings, indenters: Sequence[Indenter]) -> Floats:
 
 def _windows(settled: Settled, margin: int) -> list[Window]:
     """Windows around all contacts, each cut as finely as its smallest contact asks for."""
+    return cut(merged(_touch_windows(settled, margin)))
+
+
+def shared(
+    states: Sequence[Settled], bodies: Sequence[Sequence[Indenter]], margin: int
+) -> list[Settled]:
+    """Contacts of a path solved again on windows around all of them.
+
+    They are cut as finely as the widest contact asks for: the narrow ones pass.
+    """
+    every = [found for settled in states for found in _touch_windows(settled, margin)]
+    widest = max(across for _, across in every)
+    windows = cut(merged([(window, widest) for window, _ in every]))
+    again = []
+    for settled, indenters in zip(states, bodies, strict=True):
+        skin, approach = settled.coverings.skin, settled.contact.approach
+        coverings = _lay(skin, indenters, windows, approach)
+        start = _carried_over(settled, coverings)
+        again.append(_solve(coverings, settled.whole, indenters, start))
+    return again
+
+
+def _touch_windows(settled: Settled, margin: int) -> list[tuple[Window, float]]:
+    """Windows of cells around all contacts, and how wide these are."""
     coverings, grid = settled.coverings, settled.coverings.skin.grid
     found: list[tuple[Window, float]] = []
     for body in range(len(coverings.each)):
@@ -345,7 +387,7 @@ def _windows(settled: Settled, margin: int) -> list[Window]:
             if window is not None:
                 across = width(mask, part) / whole.split
                 found.append((window.grown(margin, grid.shape), across))
-    return cut(merged(found))
+    return found
 
 
 def _carried_over(settled: Settled, coverings: Coverings) -> Floats:
@@ -362,8 +404,26 @@ def _carried_over(settled: Settled, coverings: Coverings) -> Floats:
     )
 
 
+def reaches_border(settled: Settled) -> bool:
+    """Whether touch reaches the border of a window, beyond which there is more skin."""
+    shape = settled.coverings.skin.grid.shape
+    pictures = settled.indenting.pictures(settled.contact.pressure)
+    for window, pressure in zip(settled.coverings.windows, pictures, strict=True):
+        for inner, line in (
+            (window.row > 0, pressure[0]),
+            (window.end[0] < shape[0], pressure[-1]),
+            (window.column > 0, pressure[:, 0]),
+            (window.end[1] < shape[1], pressure[:, -1]),
+        ):
+            if inner and line.any():
+                return True
+    return False
+
+
 def _leaks(settled: Settled) -> bool:
     """Whether touch reaches a window's border, or a body is in the skin outside of all windows."""
+    if reaches_border(settled):
+        return True
     coverings, contact = settled.coverings, settled.contact
     skin, shape = coverings.skin, coverings.skin.grid.shape
     outside = np.ones(shape, dtype=bool)
@@ -373,14 +433,6 @@ def _leaks(settled: Settled) -> bool:
     ):
         outside[window.cells] = False
         sunk += skin.far(skin.carried(window, pressure))[PAD:-PAD, PAD:-PAD]
-        for inner, line in (
-            (window.row > 0, pressure[0]),
-            (window.end[0] < shape[0], pressure[-1]),
-            (window.column > 0, pressure[:, 0]),
-            (window.end[1] < shape[1], pressure[:, -1]),
-        ):
-            if inner and line.any():
-                return True
     height = (settled.whole.each - contact.approach[:, None]).min(axis=0).reshape(shape)
     gap = np.where(outside, height + sunk, np.inf)
     return bool(gap.min() < -1e-4 * np.abs(contact.approach).max())

@@ -19,7 +19,6 @@ from skinfield.plot import (
     style,
 )
 from skinfield.simulate import Press
-from skinfield.simulate.pressing.press import base_stress_below_cells, pressure_by_body
 from skinfield.skin import Patch
 from skinfield.skin.maps import MM, draw_cells, draw_pads, extent_of_pads, frame_axes, outline_pads
 
@@ -68,7 +67,7 @@ def draw_press(
         peak, area = number(press.pressure.max() / 1e3), number(press.contact_area * MM**2)
         note = f"peak {peak} kPa, contact {area} mm²; dotted: section C"
         add_title(axes[0], "A", "Pressure on the skin", note)
-        _field(axes[1], press, base_stress_below_cells(press) / 1e3, view, "base stress (kPa)")
+        _field(axes[1], press, press.base_stress_below_cells / 1e3, view, "base stress (kPa)")
         add_title(axes[1], "B", "Stress at the base", "normal, positive in compression")
         if patch is None:
             _field(axes[2], press, depth * MM, view, "indentation (mm)")
@@ -123,7 +122,7 @@ def _outline(axes: "Axes", press: Press) -> None:
 def _section_place(press: Press) -> float:
     """The y (m) of the section: the row of cells nearest to where the strongest body presses."""
     y, strongest = press.grid.plane[:, 1], int(np.argmax(press.forces))
-    pressure = pressure_by_body(press)[strongest]
+    pressure = press.pressure_by_body[strongest]
     centre = float(pressure @ y / pressure.sum())
     touched = y[pressure > 0]
     return float(touched[np.abs(touched - centre).argmin()])

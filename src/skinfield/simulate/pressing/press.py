@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from skinfield.elastic import BondedLayer, LatticeConvolution, Layer, Mechanics
+from skinfield.elastic import BondedLayer, Layer, Mechanics
 from skinfield.elastic.electrostatics import capacitance_change
-from skinfield.elastic.lattice import lattice, mirrored
 from skinfield.errors import (
     Floats,
     InputError,
@@ -24,7 +23,8 @@ from skinfield.simulate.indenters.shapes import Cone, Cylinder, Ring, Sphere
 from skinfield.simulate.pressing import readout
 from skinfield.simulate.pressing.contact import Settled, settle
 from skinfield.simulate.pressing.imposed import are_soft, impose
-from skinfield.simulate.pressing.tractions import Traction, add_shear, bare, resultants
+from skinfield.simulate.pressing.readout import Around
+from skinfield.simulate.pressing.tractions import Rubbed, Traction, bare, follow, resultants, rub
 from skinfield.simulate.pressing.windows import Medium
 from skinfield.skin import Grid, Patch
 
@@ -57,7 +57,7 @@ class Press:
         error of "no gap under pressure", "no overlap elsewhere", "no work through the gap" and of
         the given forces.
     shear_residual : float
-        Of the tangential stage, see `elastic.contact.Shear`; 0 without shear.
+        Of the tangential tractions, see `elastic.contact.Shear`; 0 without shear.
     slipping_share : float
         Part of the touching squares at Coulomb's limit; 0 without friction limit.
     """
@@ -80,15 +80,23 @@ class Press:
     @cached_property
     def traction(self) -> Floats:
         """Mean on each cell, on the skin, (K, 3) Pa; a push has negative z."""
-        out = np.zeros((3, *self.grid.shape))
-        for touch in self.touches:
-            out[:, *touch.window.cells] = touch.window.means(touch.traction)
+        out = readout.cell_traction(self._skin, self.touches)
         return np.asarray(np.moveaxis(out, 0, -1).reshape(-1, 3) + 0.0)
 
     @property
     def pressure(self) -> Floats:
         """Mean on each cell, (K,) Pa."""
         return np.maximum(-self.traction[:, 2], 0.0)
+
+    @property
+    def pressure_by_body(self) -> Floats:
+        """Mean pressure (bodies, K) Pa on each cell by each indenter; their sum is `pressure`."""
+        return readout.pressure_by_body(self._skin, self.touches, len(self.indenters))
+
+    @property
+    def base_stress_below_cells(self) -> Floats:
+        """Normal stress (K,) Pa below the cells' centres: for maps, faster than `base_stress`."""
+        return readout.base_stress_below_cells(self._skin, self.touches)
 
     @cached_property
     def _resultants(self) -> tuple[Floats, Floats]:
@@ -98,6 +106,11 @@ class Press:
     def forces(self) -> Floats:
         """Normal force of each indenter into the skin, (bodies,) N."""
         return np.asarray(0.0 - self._resultants[0][:, 2])
+
+    @property
+    def shears(self) -> Floats:
+        """Tangential force of each indenter on the skin, (bodies, 2) N."""
+        return self._resultants[0][:, :2]
 
     @property
     def force(self) -> float:
@@ -151,27 +164,32 @@ class Press:
 
     @cached_property
     def _sunk(self) -> Floats:
-        """Indentation (K,) m by the normal contact: that of the body where it touches.
+        """Indentation (K,) m: that of the body where it touches.
 
         There the two agree to the residual, but for squares that a sharp edge crosses: of those the
         solution knows the covered part.
         """
-        sunk = readout.indentation(self._skin, self.touches).ravel()
+        sunk = readout.indentation(self._skin, self.touches).ravel() - self._along[2].ravel()
         known = self.contact & np.isfinite(self._above)
         return np.where(known, -self._above, sunk)
 
     @cached_property
+    def _along(self) -> Floats:
+        """See `readout.sheared`."""
+        return readout.sheared(self._skin, self.touches)
+
+    @cached_property
     def displacement(self) -> Floats:
         """Of the surface at the cells' centres, (K, 3) m; negative z is into the skin."""
-        out = readout.sheared(self._skin, self.touches)
-        out[2] -= self._sunk.reshape(self.grid.shape)
+        out = self._along.copy()
+        out[2] = -self._sunk.reshape(self.grid.shape)
         return np.asarray(np.moveaxis(out, 0, -1).reshape(-1, 3))
 
     @cached_property
     def gap(self) -> Floats:
         """Between surface and the nearest body at the cells' centres, (K,) m; infinite under none.
 
-        0 where it touches. Of the normal contact: what shear adds to the indentation is not in it.
+        0 where it touches.
         """
         return self._above + self._sunk
 
@@ -225,10 +243,10 @@ def press(
 ) -> Press:
     """Press rigid indenters into the skin and solve for the tractions below them; or soft fingers.
 
-    Linear elastic, unilateral: pressure only where there is touch. The normal contact is
-    frictionless; where an indenter has a shear, tangential tractions follow in a second stage in
-    which everything that touches sticks, or slips at Coulomb's limit. Fingers, which come alone,
-    impose their pressure.
+    Linear elastic, unilateral: pressure only where there is touch. Bodies are pressed on without
+    friction; then those with a shear are pushed along the plane, without turning, by one step in
+    which everything that touches sticks, or slips at Coulomb's limit, and pressure and touch follow
+    the surface that this moves. Fingers, which come alone, impose their pressure.
 
     Parameters
     ----------
@@ -245,7 +263,8 @@ def press(
         Default `BondedLayer()`. `HalfSpace` is the paper's difference of two depths; an elastic
         half-space is a thick layer: the base takes some 0.7 a/h of the depth, a the contact radius.
     friction : float, optional
-        Coulomb's coefficient, for the shear; without it all that touches sticks.
+        Coulomb's coefficient, for the shear; without it all that touches sticks. A body slides
+        whose shear is friction times its force.
 
     Returns
     -------
@@ -255,7 +274,7 @@ def press(
     ------
     InputError
         For indenters that cover no cell, lie behind others, touch the border of `extent`, sink as
-        deep as the layer is thick, or would slide.
+        deep as the layer is thick, or have more shear than friction holds.
     """
     if not isinstance(indenters, Sequence):
         raise InputError(f"indenters is {indenters!r}, expected a list of them, if only of one")
@@ -292,29 +311,64 @@ def _softly(skin: Medium, fingers: Sequence[Indenter]) -> Press:
 
 
 def pressed(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Press:
-    """A press from its normal contact, with the tangential stage where there is shear."""
+    """A press from its normal contact, with friction where there is shear."""
+    if any(any(indenter.shear) for indenter in indenters):
+        return _sheared(rub(settled, indenters, friction), indenters)
+    return _unsheared(settled, indenters)
+
+
+def _unsheared(settled: Settled, indenters: Sequence[Indenter]) -> Press:
     skin, contact, touches = settled.coverings.skin, settled.contact, bare(settled)
-    found = Press(
-        skin.grid,
-        skin.layer,
-        skin.mechanics,
-        tuple(indenters),
-        contact.approach,
-        np.zeros((len(indenters), 2)),
-        touches,
-        contact.residual,
-    )
-    if not any(any(indenter.shear) for indenter in indenters):
-        return found
-    touches, shear = add_shear(settled, touches, indenters, friction)
-    area = settled.coverings.area
+    medium, still = (skin.grid, skin.layer, skin.mechanics), np.zeros((len(indenters), 2))
+    return Press(*medium, tuple(indenters), contact.approach, still, touches, contact.residual)
+
+
+def _sheared(rubbed: Rubbed, indenters: Sequence[Indenter]) -> Press:
+    shear, contact = rubbed.shear, rubbed.settled.contact
+    area = rubbed.settled.coverings.area
     return replace(
-        found,
+        _unsheared(rubbed.settled, indenters),
         translation=shear.translation,
-        touches=touches,
+        touches=rubbed.touches,
         shear_residual=shear.residual,
         slipping_share=float(area[shear.slipping].sum() / area[contact.pressure > 0].sum()),
     )
+
+
+def press_path(
+    layer: Layer,
+    path: Sequence[Sequence[Indenter]],
+    extent: float = 60e-3,
+    cell: float = 0.5e-3,
+    mechanics: Mechanics | None = None,
+    friction: float | None = None,
+) -> list[Press]:
+    """Press along a path of loads and places, with friction from the first touch on.
+
+    Friction resists what the pressure moves along the plane, too, so even a body that is pressed
+    straight down sinks less than in `press`; loads may turn and fall. Places that move without
+    shear are those of a body that rolls.
+
+    Parameters
+    ----------
+    layer : Layer
+    path : sequence of sequences of Indenter
+        The same bodies in each step, whose sizes decide how well the path is followed: ten or so
+        from the first touch to the full load.
+    extent, cell, mechanics, friction
+        See `press`.
+
+    Returns
+    -------
+    list of Press
+        One per step; `Press.translation` is that of the step alone.
+    """
+    if not len(path) or len({len(step) for step in path}) > 1:
+        raise InputError(f"path is {path!r}, expected one step or more, of the same bodies each")
+    skin = skin_of(layer, extent, cell, mechanics)
+    states = [settle(skin, step) for step in path]
+    followed = follow(states, path, friction)
+    return [_sheared(each, step) for each, step in zip(followed, path, strict=True)]
 
 
 def parts_of(press: Press) -> list[dict[str, Any]]:
@@ -325,7 +379,7 @@ def parts_of(press: Press) -> list[dict[str, Any]]:
     NaN where it does not touch, ``area_m2`` that it touches, and ``peak_Pa``, the largest mean
     pressure of a cell: below a sharp edge it grows without bound as cells shrink.
     """
-    pressure = pressure_by_body(press)
+    pressure = press.pressure_by_body
     parts = []
     for index, indenter in enumerate(press.indenters):
         force, moment = float(press.forces[index]), press.moments[index]
@@ -374,7 +428,7 @@ def arrays_of(press: Press, patch: Patch | None = None) -> dict[str, Any]:
         "displacement": press.displacement.reshape(*shape, 3),
         "gap": press.gap.reshape(shape),
         "contact": press.contact.reshape(shape),
-        "base_stress": base_stress_below_cells(press).reshape(shape),
+        "base_stress": press.base_stress_below_cells.reshape(shape),
         "kind": np.array([body.kind for body in press.indenters]),
         "position": np.array([body.position for body in press.indenters]),
         "depth": press.approach,
@@ -399,38 +453,6 @@ def arrays_of(press: Press, patch: Patch | None = None) -> dict[str, Any]:
             "pad_capacitance": press.capacitance(places, diameter),
         }
     return found
-
-
-def pressure_by_body(press: Press) -> Floats:
-    """Mean pressure (bodies, K) Pa on each cell by each indenter; their sum is `press.pressure`."""
-    out = np.zeros((len(press.indenters), *press.grid.shape))
-    for touch in press.touches:
-        for index in range(len(press.indenters)):
-            push = np.where(touch.body == index, -touch.traction[2], 0.0)
-            out[index][touch.window.cells] += touch.window.means(push)
-    return out.reshape(len(press.indenters), -1)
-
-
-def base_stress_below_cells(press: Press) -> Floats:
-    """Normal stress (K,) Pa on the base below the centre of each cell, positive in compression.
-
-    By convolution of the cells' mean tractions: for maps, where `Press.base_stress` at each cell
-    would take long. The two agree where cells are smaller than the layer is thick.
-    """
-    rows, columns = press.grid.shape
-    offsets, pitch = lattice(rows - 1, columns - 1, press.grid.pitch), press.grid.pitch
-    traction = press.traction.reshape(rows, columns, 3)
-    if not traction[..., :2].any():
-        response = press.mechanics.base_stress(press.layer, offsets, pitch, 0.0)
-        kernel = mirrored(response.reshape(rows, columns))
-        return np.asarray(LatticeConvolution(kernel)(-traction[..., 2])).ravel()
-    response = press.mechanics.base_traction(press.layer, offsets, pitch, 0.0)[:, 2]
-    along = response.T.reshape(3, rows, columns)
-    total = np.zeros((rows, columns))
-    for axis, (odd_x, odd_y) in enumerate(((True, False), (False, True), (False, False))):
-        kernel = mirrored(along[axis], odd_x=odd_x, odd_y=odd_y)
-        total -= LatticeConvolution(kernel)(traction[..., axis])
-    return total.ravel()
 
 
 def press_ladder(
@@ -491,19 +513,19 @@ def ladder_steps(
 
 Readings = Callable[[Floats], Floats]
 SPACING = 0.1e-3  # m: between the distances at which a round press is read
+HARMONICS = 4  # of the angle, of a round press that is pushed: they fall tenfold each
 REACH = 14.0  # thicknesses beyond the press where every reading is below 1e-4 of the highest
 WIDE = 8.0  # thicknesses around any other press that a table covers
 
 
 def is_round(press: Press) -> bool:
-    """Whether a press is the same all around the origin."""
+    """Whether a press is the same all around the origin, but for a push along the plane."""
     body = press.indenters[0]
     return (
         len(press.indenters) == 1
         and isinstance(body, Sphere | Cylinder | Cone | Ring)
         and tuple(body.position) == (0.0, 0.0)
         and (isinstance(body, Sphere) or tuple(body.tilt) == (0.0, 0.0))
-        and tuple(body.shear) == (0.0, 0.0)
     )
 
 
@@ -512,7 +534,7 @@ def readings_anywhere(
 ) -> Readings:
     """Function from points (N, 2) m to the readings (N,) of taxels there, without noise.
 
-    Of a round press, a cubic spline over the distance: thousands of taxels cost next to nothing.
+    Of a round press, cubic splines over the distance: thousands of taxels cost next to nothing.
 
     Parameters
     ----------
@@ -524,26 +546,35 @@ def readings_anywhere(
         beyond eight thicknesses around the press. Without it, every call computes its readings.
     """
     if is_round(press):
-        return _by_distance(press, pad_diameter, quantity)
+        return readings_around(press, pad_diameter, quantity)
     if spacing is not None:
         check_positive("spacing", spacing, "between the points of the table, in metres")
         return _by_table(press, pad_diameter, quantity, spacing)
     return lambda points: press.readings(points, pad_diameter, quantity)
 
 
-def _by_distance(press: Press, pad_diameter: float, quantity: str) -> Readings:
-    from scipy.interpolate import CubicSpline
+def readings_around(press: Press, pad_diameter: float, quantity: str) -> Around:
+    """Readings of taxels around a round press at the origin, by distance and angle.
 
-    distance = np.arange(0.0, _reach(press, pad_diameter, REACH) + SPACING, SPACING)
-    line = np.column_stack([distance, np.zeros_like(distance)])
-    values = press.readings(line, pad_diameter, quantity)
-    spline = CubicSpline(distance, values, bc_type="clamped")  # flat at both ends
-
-    def readings(points: Floats) -> Floats:
-        away = np.hypot(points[:, 0], points[:, 1])
-        return np.where(away <= distance[-1], spline(np.minimum(away, distance[-1])), 0.0)
-
-    return readings
+    Parameters
+    ----------
+    press : Press
+        See `is_round`. With a shear, the angle counts from its direction.
+    pad_diameter : float, m
+    quantity : "capacitance", "gap" or "stress"
+    """
+    if not is_round(press):
+        raise InputError(
+            f"the press is of {press.indenters!r}, expected one upright sphere, cylinder, cone or "
+            "ring at the origin: others are not the same all around"
+        )
+    along = press.indenters[0].shear
+    return Around.of(
+        lambda points: press.readings(points, pad_diameter, quantity),
+        np.arange(0.0, _reach(press, pad_diameter, REACH) + SPACING, SPACING),
+        float(np.arctan2(along[1], along[0])),
+        HARMONICS if any(along) else 1,
+    )
 
 
 def _by_table(press: Press, pad_diameter: float, quantity: str, spacing: float) -> Readings:

@@ -1,13 +1,20 @@
 """Readings of a press: what pads at the base, or above it, see of it."""
 
-from dataclasses import replace
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from skinfield.elastic import LatticeConvolution
 from skinfield.elastic.electrostatics import MARGIN, STEPS, GapStrain
-from skinfield.elastic.lattice import cached_indentation_kernel, cached_surface_kernel
+from skinfield.elastic.lattice import (
+    cached_indentation_kernel,
+    cached_lift_kernel,
+    lattice,
+    mirrored,
+)
 from skinfield.errors import Floats, InputError, as_floats, check_finite, check_range, check_shape
 from skinfield.simulate.pressing.tractions import Sources, Traction, sources
 from skinfield.simulate.pressing.windows import PAD, Medium, Window, coarsened, resplit
@@ -84,9 +91,8 @@ def gap_strain(
             sunk[_on_mesh(window.grown(NEAR), split, low)] = sampled
         total += sunk
         if load[:2].any():
-            surface = cached_surface_kernel(skin.mechanics, skin.layer, step, step, rows, columns)
-            for along in (0, 1):
-                total -= LatticeConvolution(surface[2, along])(load[along])
+            lift = cached_lift_kernel(skin.mechanics, skin.layer, step, step, rows, columns)
+            total -= LatticeConvolution(lift)(load[:2], total=True)
     first = skin.grid.origin + ((low + 0.5) / split - 0.5) * pitch
     return GapStrain(total / h, first, step)
 
@@ -202,18 +208,96 @@ def gap_change(
         )
         out -= each.reshape(len(places), -1) @ source.traction[:, 2]
         if source.traction[:, :2].any():
-            for place, weight in _disc_rule(pad_diameter / 2):
-                each = skin.mechanics.surface_displacement(
-                    skin.layer, _offsets(places + place, source), source.side
-                ).reshape(len(places), -1, 3, 3)
-                out -= weight * np.einsum("lnj,nj->l", each[:, :, 2, :2], source.traction[:, :2])
+            lifts = skin.mechanics.lift(
+                skin.layer, _offsets(places, source), source.side, pad_diameter
+            ).reshape(len(places), -1, 2)
+            out -= np.einsum("lnj,nj->l", lifts, source.traction[:, :2])
     return out
 
 
-def _disc_rule(radius: float) -> list[tuple[Floats, float]]:
-    """Points and weights that average over a disc: the seven of degree 5 (Stroud's S2 5-1)."""
-    if radius == 0.0:
-        return [(np.zeros(2), 1.0)]
-    angle = np.arange(6) * np.pi / 3
-    ring = np.column_stack([np.cos(angle), np.sin(angle)]) * radius * np.sqrt(2 / 3)
-    return [(np.zeros(2), 0.25), *((place, 0.125) for place in ring)]
+@dataclass(frozen=True, eq=False)
+class Around:
+    """Readings around a round body by distance and angle.
+
+    Attributes
+    ----------
+    distance : (D,) array, m
+        From 0 up, evenly.
+    harmonics : (N, D) array
+        Row n goes with the cosine of n times the angle; row 1 is the dipole.
+    direction : float, rad
+        Where the angle is 0.
+    """
+
+    distance: Floats
+    harmonics: Floats
+    direction: float = 0.0
+
+    @classmethod
+    def of(
+        cls, read: Callable[[Floats], Floats], distance: Floats, direction: float, count: int
+    ) -> "Around":
+        """Read points (N, 2) m at `count` angles over the half circle, which the other mirrors."""
+        angle = np.pi * np.arange(count) / max(count - 1, 1)
+        turned = np.column_stack([np.cos(angle + direction), np.sin(angle + direction)])
+        values = read((turned[:, None] * distance[:, None]).reshape(-1, 2)).reshape(count, -1)
+        order = np.arange(count)
+        weight = np.where((order == 0) | (order == max(count - 1, 1)), 1.0, 2.0)
+        waves = np.cos(np.outer(order, angle)) * weight * weight[:, None] / (2 * max(count - 1, 1))
+        return cls(distance, waves @ values if count > 1 else values, direction)
+
+    @cached_property
+    def _splines(self) -> list[Callable[[Floats], Floats]]:
+        from scipy.interpolate import CubicSpline
+
+        # All but a dipole are flat at the axis.
+        return [
+            CubicSpline(
+                self.distance, row, bc_type=("not-a-knot" if n == 1 else "clamped", "clamped")
+            )
+            for n, row in enumerate(self.harmonics)
+        ]
+
+    def __call__(self, points: Floats) -> Floats:
+        """Readings (N,) at points (N, 2) m; 0 beyond the table."""
+        away = np.hypot(points[:, 0], points[:, 1])
+        angle = np.arctan2(points[:, 1], points[:, 0]) - self.direction
+        held = np.minimum(away, self.distance[-1])
+        total = sum(spline(held) * np.cos(n * angle) for n, spline in enumerate(self._splines))
+        return np.where(away <= self.distance[-1], total, 0.0)
+
+
+def cell_traction(skin: Medium, touches: tuple[Traction, ...]) -> Floats:
+    """Mean on each cell, (3, rows, columns) Pa."""
+    out = np.zeros((3, *skin.grid.shape))
+    for touch in touches:
+        out[:, *touch.window.cells] = touch.window.means(touch.traction)
+    return out
+
+
+def pressure_by_body(skin: Medium, touches: tuple[Traction, ...], bodies: int) -> Floats:
+    """Mean pressure (bodies, K) Pa on each cell by each body."""
+    out = np.zeros((bodies, *skin.grid.shape))
+    for touch in touches:
+        for index in range(bodies):
+            push = np.where(touch.body == index, -touch.traction[2], 0.0)
+            out[index][touch.window.cells] += touch.window.means(push)
+    return out.reshape(bodies, -1)
+
+
+def base_stress_below_cells(skin: Medium, touches: tuple[Traction, ...]) -> Floats:
+    """Normal stress (K,) Pa below the centre of each cell, by convolution of the cells' means."""
+    rows, columns = skin.grid.shape
+    offsets, pitch = lattice(rows - 1, columns - 1, skin.grid.pitch), skin.grid.pitch
+    traction = cell_traction(skin, touches)
+    if not traction[:2].any():
+        response = skin.mechanics.base_stress(skin.layer, offsets, pitch, 0.0)
+        kernel = mirrored(response.reshape(rows, columns))
+        return np.asarray(LatticeConvolution(kernel)(-traction[2])).ravel()
+    response = skin.mechanics.base_traction(skin.layer, offsets, pitch, 0.0)[:, 2]
+    along = response.T.reshape(3, rows, columns)
+    total = np.zeros((rows, columns))
+    for axis, (odd_x, odd_y) in enumerate(((True, False), (False, True), (False, False))):
+        kernel = mirrored(along[axis], odd_x=odd_x, odd_y=odd_y)
+        total -= LatticeConvolution(kernel)(traction[axis])
+    return total.ravel()

@@ -1,4 +1,4 @@
-"""Tractions on the skin in one window, normal and tangential, and sums over it."""
+"""Tractions on the skin in windows, normal and tangential: sums over them, and friction."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -6,11 +6,38 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.elastic.contact import RIM, Shear, ShearProblem, rim, solve_slip, solve_stick
-from skinfield.errors import Floats, check_positive
+from skinfield.elastic.contact import (
+    RIM,
+    SHEAR_TOLERANCE,
+    ContactSolution,
+    Shear,
+    ShearProblem,
+    rim,
+    solve_contact,
+    solve_slip,
+    solve_stick,
+)
+from skinfield.errors import Floats, SkinfieldError, check_positive
 from skinfield.simulate.indenters.body import Indenter
-from skinfield.simulate.pressing.contact import Settled
-from skinfield.simulate.pressing.windows import Medium, Window, Yielding, coarsened
+from skinfield.simulate.pressing.contact import (
+    Coverings,
+    Settled,
+    check_border,
+    check_depth,
+    problem_of,
+    reaches_border,
+    shared,
+    widened,
+)
+from skinfield.simulate.pressing.windows import (
+    DRAGGED,
+    LIFTED,
+    TANGENTIAL,
+    Medium,
+    Window,
+    Yielding,
+    coarsened,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,33 +148,172 @@ def bare(settled: Settled) -> tuple[Traction, ...]:
     )
 
 
-def add_shear(
+ROUNDS = 40
+FREE = 5  # rounds in which squares may come to hold the body, and let go
+SAME = 1e-4  # of the force: by which the pressure may still change from round to round
+EASE = 10.0  # by which tolerances are wider while the pressure still changes
+WIDER = 3  # cells
+MARGINS = 3, 8  # cells around the touches of a path
+
+
+@dataclass(frozen=True, eq=False)
+class Rubbed:
+    """Contact with friction on windows.
+
+    Attributes
+    ----------
+    settled : Settled
+        Its pressure is that of the whole load.
+    shear : Shear
+    moved : (2, N) array, m
+        Displacement of the surface along the plane.
+    """
+
+    settled: Settled
+    shear: Shear
+    moved: Floats
+
+    @property
+    def touches(self) -> tuple[Traction, ...]:
+        """Touches with pressure and tangential traction."""
+        along = self.settled.indenting.pictures(self.shear.traction)
+        return tuple(
+            replace(touch, traction=np.stack([*each, touch.traction[2]]))
+            for touch, each in zip(bare(self.settled), along, strict=True)
+        )
+
+
+class Surface:
+    """What tractions along the plane and across it do to each other on windows."""
+
+    def __init__(self, coverings: Coverings) -> None:
+        skin, windows = coverings.skin, coverings.windows
+        self.coverings = coverings
+        self.sliding = Yielding(skin, windows, TANGENTIAL)
+        self.lifting = Yielding(skin, windows, LIFTED)
+        self.dragging = Yielding(skin, windows, DRAGGED)
+
+    def lifted(self, traction: Floats) -> Floats:
+        """Displacement (N,) m outwards by tangential traction (2, N) Pa."""
+        return np.asarray(self.lifting(traction)[0])
+
+    def dragged(self, pressure: Floats) -> Floats:
+        """Displacement (2, N) m along the plane by pressure (N,) Pa."""
+        return self.dragging(-pressure[None])
+
+    def shear(
+        self,
+        pressure: Floats,
+        touching: NDArray[np.bool_],
+        forces: Floats,
+        friction: float | None,
+        before: Floats,
+        start: Floats | None,
+        ease: float,
+    ) -> Shear:
+        """Tangential tractions where it touches, in a step from the displacement `before`.
+
+        To the usual tolerances times `ease`.
+        """
+        coverings = self.coverings
+        # The limits of a touch that ends smoothly need no softness: it is found as much too wide as
+        # the border's singularity makes it act too narrow.
+        softness = np.where(touching, self.sliding.own * coverings.softness, 0.0)
+        problem = ShearProblem(
+            lambda traction: self.sliding(traction) + softness * traction,
+            touching,
+            coverings.bodies,
+            coverings.area,
+            forces,
+            self.dragged(pressure) - before,
+            start,
+        )
+        if friction is None:
+            return solve_stick(problem, ease * SHEAR_TOLERANCE)
+        return solve_slip(problem, friction * pressure, 10 * ease * SHEAR_TOLERANCE)
+
+
+def rub(settled: Settled, indenters: Sequence[Indenter], friction: float | None) -> Rubbed:
+    """Push bodies along the plane that were pressed on without friction before.
+
+    Tangential tractions raise the skin ahead and lower it behind, so pressure and place of touch
+    change, and with them the tractions: the two problems are solved in turn (Panagiotopoulos 1975).
+    """
+    if friction is not None:
+        check_positive("friction", friction, "Coulomb's coefficient; None is for no limit")
+    while True:
+        rubbed = _rubbed(settled, indenters, friction, None)
+        check_depth(indenters, rubbed.settled)
+        if not reaches_border(rubbed.settled):
+            return rubbed
+        check_border(rubbed.settled)
+        settled = widened(settled, indenters, WIDER)
+
+
+def follow(
+    states: Sequence[Settled], path: Sequence[Sequence[Indenter]], friction: float | None
+) -> list[Rubbed]:
+    """Follow a path of loads and places with friction from the first touch on, step by step.
+
+    Skin that sticks keeps its place below the body, and what comes to touch is held from then on.
+
+    Parameters
+    ----------
+    states : sequence of Settled
+        Contacts of the steps without friction.
+    path : sequence of sequences of Indenter
+        The same bodies in each step.
+    friction : float, optional
+    """
+    for margin in MARGINS:
+        done: list[Rubbed] = []
+        for settled, indenters in zip(shared(states, path, margin), path, strict=True):
+            done.append(_rubbed(settled, indenters, friction, done[-1] if done else _rest(settled)))
+            check_depth(indenters, done[-1].settled)
+            check_border(done[-1].settled)
+        if not any(reaches_border(each.settled) for each in done):
+            return done
+    raise SkinfieldError(
+        f"touch under friction grew by more than {margin} cells, expected less: shear less"
+    )
+
+
+def _rest(settled: Settled) -> Rubbed:
+    """Nothing has touched the skin yet."""
+    still = np.zeros((2, len(settled.contact.pressure)))
+    bodies = len(settled.contact.approach)
+    none = np.zeros(still.shape[1], dtype=np.bool_)
+    return Rubbed(settled, Shear(still, np.zeros((bodies, 2)), none, 0.0, 0), still)
+
+
+def _rubbed(
     settled: Settled,
-    touches: tuple[Traction, ...],
     indenters: Sequence[Indenter],
     friction: float | None,
-) -> tuple[tuple[Traction, ...], Shear]:
-    """Tangential tractions under the shears of all indenters at once, and their solution."""
-    coverings, contact = settled.coverings, settled.contact
-    sliding = Yielding(coverings.skin, coverings.windows, tangential=True)
-    touching = contact.pressure > 0
-    # The limits of a touch that ends smoothly need no softness: it is found as much too wide as
-    # the border's singularity makes it act too narrow.
-    softness = np.where(touching, sliding.own * coverings.softness, 0.0)
-    problem = ShearProblem(
-        lambda traction: sliding(traction) + softness * traction,
-        touching,
-        coverings.bodies,
-        coverings.area,
-        np.array([indenter.shear for indenter in indenters], dtype=np.float64),
+    before: Rubbed | None,
+) -> Rubbed:
+    """See `rub`, on the windows of a contact; in a step from `before`, if anything was."""
+    coverings = settled.coverings
+    surface = Surface(coverings)
+    forces = np.array([body.shear for body in indenters], dtype=np.float64)
+    contact, traction = settled.contact, None if before is None else before.shear.traction
+    moved = surface.dragged(contact.pressure) if before is None else before.moved
+    area, softness = coverings.area, coverings.softness
+    holding, same = contact.pressure > 0, False
+    for attempt in range(ROUNDS):
+        # Squares at the border would else come and go for ever.
+        holding = contact.pressure > 0 if attempt < FREE else holding
+        ease = 1.0 if same else EASE
+        shear = surface.shear(contact.pressure, holding, forces, friction, moved, traction, ease)
+        traction = shear.traction
+        if same:
+            moved = surface.sliding(traction) + surface.dragged(contact.pressure)
+            return Rubbed(replace(settled, contact=contact), shear, moved)
+        problem = problem_of(coverings, settled.indenting, indenters, surface.lifted(traction))
+        new: ContactSolution = solve_contact(problem, contact.pressure, softness)
+        change = float(np.sum(area * np.abs(new.pressure - contact.pressure)))
+        same, contact = change <= SAME * float(np.sum(area * new.pressure)), new
+    raise SkinfieldError(
+        f"pressure under friction still changes by {change:.1e} N after {ROUNDS} rounds, expected "
+        "it to settle: shear less, or state a friction coefficient below 1"
     )
-    if friction is None:
-        shear = solve_stick(problem)
-    else:
-        check_positive("friction", friction, "Coulomb's coefficient; None is for no limit")
-        shear = solve_slip(problem, friction * contact.pressure)
-    loaded = tuple(
-        replace(touch, traction=np.stack([*along, touch.traction[2]]))
-        for touch, along in zip(touches, sliding.pictures(shear.traction), strict=True)
-    )
-    return loaded, shear

@@ -253,18 +253,24 @@ class Medium:
         return out
 
 
+TANGENTIAL = slice(2), slice(2)
+LIFTED = slice(2, 3), slice(2)  # displacement along z by tangential traction
+DRAGGED = slice(2), slice(2, 3)  # and along the plane by normal traction
+
+
 class Yielding:
     """From loads per area on the squares of several windows, one after the other, to displacement.
 
-    Pressure (1, N) Pa gives indentation (1, N) m, or tangential traction (2, N) displacement (2, N)
-    along the plane. What loads in each window do in all others is that of all at the nodes, less
-    their own.
+    Pressure (1, N) Pa gives indentation (1, N) m; or, with `along`, traction (J, N) displacement
+    (I, N) along those axes. What loads in each window do in all others is that of all at the nodes,
+    less their own.
 
     Parameters
     ----------
     skin : Medium
     windows : list of Window
-    tangential : bool
+    along : pair of slices, optional
+        Axes of displacement and of traction: I and J of x, y and z, such as `TANGENTIAL`.
 
     Attributes
     ----------
@@ -272,11 +278,13 @@ class Yielding:
         Displacement of each square along its own load.
     """
 
-    def __init__(self, skin: Medium, windows: list[Window], *, tangential: bool = False) -> None:
+    def __init__(
+        self, skin: Medium, windows: list[Window], along: tuple[slice, slice] | None = None
+    ) -> None:
         self.skin, self.windows = skin, windows
-        along = (slice(2), slice(2)) if tangential else (None, None)
-        kernel_of = skin.near_surface if tangential else skin.near_kernel
-        near = [kernel_of(window)[along] for window in windows]
+        kernel_of = skin.near_kernel if along is None else skin.near_surface
+        part = (None, None) if along is None else along
+        near = [kernel_of(window)[part] for window in windows]
         self.near = [LatticeConvolution(kernel) for kernel in near]
         self.own = np.concatenate(
             [
@@ -288,7 +296,7 @@ class Yielding:
         self.parts = [slice(int(a), int(b)) for a, b in pairwise(ends)]
         self.far: list[tuple[LatticeConvolution, Floats, Floats]] = []
         if len(windows) > 1:
-            kernel = (skin.far_surface if tangential else skin.far_kernel)[along]
+            kernel = (skin.far_kernel if along is None else skin.far_surface)[part]
             self.whole = LatticeConvolution(kernel)
             sizes = [(window.rows + 2 * PAD, window.columns + 2 * PAD) for window in windows]
             self.far = [
@@ -297,15 +305,15 @@ class Yielding:
             ]
 
     def __call__(self, loads: Floats) -> Floats:
-        """Displacement (J, N) m of loads (J, N) Pa."""
+        """Displacement (I, N) m of loads (J, N) Pa."""
         pictures = self.pictures(loads)
         moved = [near(each, total=True) for near, each in zip(self.near, pictures, strict=True)]
         if self.far:
             moved = [a + b for a, b in zip(moved, self._by_others(pictures), strict=True)]
-        return np.concatenate([each.reshape(len(loads), -1) for each in moved], axis=1)
+        return np.concatenate([each.reshape(len(each), -1) for each in moved], axis=1)
 
     def _by_others(self, pictures: list[Floats]) -> list[Floats]:
-        """Displacement (J, rows, columns) m in each window by the loads in the others."""
+        """Displacement (I, rows, columns) m in each window by the loads in the others."""
         total = np.zeros((len(pictures[0]), *(n + 2 * PAD for n in self.skin.grid.shape)))
         forces = []
         for window, picture, (_, along, across) in zip(

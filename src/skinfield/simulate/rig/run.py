@@ -48,6 +48,8 @@ class RigTruth:
         At the end of the hold.
     load_force_N : (N,) array
         Of the elastic solution of each load: the force given, or that of the depth given.
+    load_shear_N : (N, 2) array
+        Of each load along the plane, as the indenter sees it.
     load_effective_force_N : (N,) array
         Highest at any end of hold with that load.
     plane_m : (K, 2) array
@@ -91,6 +93,7 @@ class RigTruth:
     press_depth_m: Floats
     press_area_m2: Floats
     load_force_N: Floats
+    load_shear_N: Floats
     load_effective_force_N: Floats
     plane_m: Floats
     cell_m: float
@@ -209,8 +212,14 @@ def _loads(scenario: Scenario, indenter: Indenter) -> list[Press]:
 def _pressed(
     scenario: Scenario, indenter: Indenter, forces: Floats | Sequence[float]
 ) -> list[Press]:
-    solving, layer = scenario.solving, scenario.true_layer
-    return press_ladder(layer, indenter, forces, solving.extent, solving.cell, scenario.mechanics)
+    solving, layer, loads = scenario.solving, scenario.true_layer, scenario.loads
+    where = solving.extent, solving.cell, scenario.mechanics
+    if not any(loads.shear_part):
+        return press_ladder(layer, indenter, forces, *where)
+    friction = loads.friction or None
+    x, y = loads.shear_part
+    pushed = [replace(indenter, force=force, shear=(force * x, force * y)) for force in forces]
+    return [press(layer, [each], *where, friction) for each in pushed]
 
 
 STEP = 2e-3  # s, of the series
@@ -416,6 +425,7 @@ def _truth(
         press_depth_m=depth[at_end],
         press_area_m2=area[at_end],
         load_force_N=np.array([load.force for load in loads]),
+        load_shear_N=np.array([load.shears[0] for load in loads]),
         load_effective_force_N=reached,
         plane_m=loads[0].grid.plane,
         cell_m=loads[0].grid.pitch,

@@ -384,10 +384,23 @@ class Tool:
 
 @dataclass(frozen=True, kw_only=True)
 class Loads:
-    """Loads of the presses at each place: forces, N, or else depths, m; the other is empty."""
+    """Loads of the presses at each place.
+
+    Parameters
+    ----------
+    forces, depths : tuple of float, N and m
+        One of the two; the other is empty.
+    shear_part : (x, y)
+        Tangential force along the axes of the indenter's plane, as a part of the normal force: a
+        horizontal actuator pushes in proportion to the vertical one. With forces only.
+    friction : float
+        Coulomb's coefficient; 0 is no limit: all that touches sticks.
+    """
 
     forces: tuple[float, ...] = ()
     depths: tuple[float, ...] = ()
+    shear_part: tuple[float, float] = (0.0, 0.0)
+    friction: float = 0.0
 
     def __post_init__(self) -> None:
         if bool(self.forces) == bool(self.depths):
@@ -399,6 +412,16 @@ class Loads:
             check_shape(name, values, (None,), "one per press")
             for value in values:
                 check_positive(name, float(value), "in newtons or metres")
+        part = as_floats("shear_part", self.shear_part)
+        check_shape("shear_part", part, (2,), "parts of the normal force along x and y")
+        check_finite("shear_part", part, "parts of the normal force along x and y")
+        why = "Coulomb's coefficient; 0 is no limit"
+        check_range("friction", self.friction, 0.0, 10.0, why)
+        if part.any() and self.depths:
+            raise InputError(
+                f"shear_part is {self.shear_part} beside depths, expected forces: it is a part of "
+                "them"
+            )
 
     def __len__(self) -> int:
         return len(self.forces) + len(self.depths)
