@@ -284,27 +284,32 @@ def explains(fit: Fit) -> bool:
 
 @inner(_nrt=False)
 def take_change(fit: Fit, readings: Floats) -> None:
-    """Learn the step in which a board reads, of what changed since the reading before.
+    """Learn the step in which a board reads: the smallest change of a taxel that is no drift.
 
-    Of all taxels the smallest change that is no drift; in stated deviations.
+    Of a first reading it is a guess: the smallest of what taxels read.
     """
-    numbers, step = fit.own.numbers, np.inf
+    numbers, change, least = fit.own.numbers, np.inf, np.inf
     before = fit.memory.taxels[READINGS]
     for taxel in range(len(readings)):
-        change = abs(readings[taxel] - before[taxel]) / fit.own.heard[taxel]
-        if before[taxel] != 0.0 and change > UNCHANGED:
-            step = min(step, change)
-    if step < np.inf:
-        numbers[READ_STEP] = min(step, WIDENS * numbers[READ_STEP])
+        noise = fit.own.heard[taxel]
+        now, its = abs(readings[taxel]) / noise, abs(readings[taxel] - before[taxel]) / noise
+        if now > UNCHANGED:
+            least = min(least, now)
+        if before[taxel] != 0.0 and its > UNCHANGED:
+            change = min(change, its)
+    known = numbers[READ_STEP]
+    if change < np.inf:
+        numbers[READ_STEP] = min(change, WIDENS * known) if known > 0.0 else change
+    elif known == 0.0 and least < np.inf:
+        numbers[READ_STEP] = -least
     if numbers[SCALE] < 1.0:
         numbers[SCALE] = max(numbers[SCALE], quietest(fit))
 
 
 @inner(_nrt=False)
 def quietest(fit: Fit) -> float:
-    """Least noise that is believed, of the stated one: of rounding, where a board is known to."""
-    step = fit.own.numbers[READ_STEP]
-    return float(min(max(QUIETEST, step / np.sqrt(12.0)), 1.0)) if step < np.inf else QUIETEST
+    """Least noise that is believed, of the stated one: of rounding, where a board does that."""
+    return float(min(max(QUIETEST, abs(fit.own.numbers[READ_STEP]) / np.sqrt(12.0)), 1.0))
 
 
 @inner(_nrt=False)
@@ -395,13 +400,20 @@ def infer(fit: Fit, common: float) -> None:
 def learn(fit: Fit) -> None:
     """Count what the press before says of the model error, where this is another one."""
     own, errors = fit.own, fit.own.errors
-    if not fit.memory.counts[NOW]:
+    unsure = own.numbers[READ_STEP] < 0.0 and own.numbers[SCALE] < 1.0  # of the noise
+    if not fit.memory.counts[NOW] or unsure:
         return
-    x, y = fit.memory.atoms[NOW, 0, 0], fit.memory.atoms[NOW, 0, 1]
-    if not np.hypot(x - own.numbers[PLACE_X], y - own.numbers[PLACE_Y]) <= ELSEWHERE:
+    x, y = own.numbers[PLACE_X], own.numbers[PLACE_Y]
+    nearest, least = 0, np.inf
+    for n in range(fit.memory.counts[NOW]):
+        apart = np.hypot(fit.memory.atoms[NOW, n, 0] - x, fit.memory.atoms[NOW, n, 1] - y)
+        if apart < least:
+            nearest, least = n, apart
+    if not least <= ELSEWHERE:
         for k in range(len(ERRORS)):
             errors[LEARNT, k] = FORGET * (errors[LEARNT, k] + errors[LAST, k])
         own.marks[PRESSES] += 1
-        own.numbers[PLACE_X], own.numbers[PLACE_Y] = x, y
+        own.numbers[PLACE_X] = fit.memory.atoms[NOW, nearest, 0]
+        own.numbers[PLACE_Y] = fit.memory.atoms[NOW, nearest, 1]
     for k in range(len(ERRORS)):
         errors[LAST, k] = errors[HERE, k]

@@ -261,6 +261,20 @@ def begin_comparison(fit: Fit, error: float, only: bool) -> None:
 
 
 @inner(_nrt=False)
+def begin_afresh(fit: Fit) -> None:
+    """Have atoms be sought from none, as those of NOW need a large model error to explain it all.
+
+    Once that is large, few atoms explain any readings, such as two small ones a sole that presses
+    ever more.
+    """
+    set_aside(fit)
+    others = fit.own.marks[OTHERS]
+    fit.memory.counts[NOW] = 0
+    begin_comparison(fit, COARSE if fit.own.marks[IS_STRONG] else FINER * COARSE, False)
+    fit.own.marks[OTHERS] = others  # the answer, should the time be up
+
+
+@inner(_nrt=False)
 def find_contacts(fit: Fit, readings: Floats, valid: NDArray[np.bool_], deadline: int) -> int:
     """Find the contacts of readings (L,), 0 where not `valid` (L,), by a deadline in ns, or 0.
 
@@ -392,7 +406,9 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
         like = numbers[BEFORE] / FALL < energy < numbers[BEFORE] * RISE
         if not numbers[COMPARED] / FALL < energy < numbers[COMPARED] * RISE:
             numbers[COMPARED], numbers[IN_VAIN] = energy, 0.0
-            if not (like and explained) or may_gain(fit):
+            if numbers[MISFIT] > COARSE:
+                begin_afresh(fit)
+            elif not (like and explained) or may_gain(fit):
                 begin_comparison(fit, numbers[MISFIT], False)
                 marks[GRADUAL] = like and explained
         if scale < 1.0 and numbers[SCALE] <= 1.0:
@@ -413,7 +429,6 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
         return
     infer(fit, common)
     take_pace(memory, INFERRING, count)
-    learn(fit)
     if numbers[COMPARED_SPREAD] < 0.0:
         numbers[COMPARED_SPREAD] = numbers[SPREAD]
     if numbers[SPREAD] > WORSE * numbers[COMPARED_SPREAD]:  # or the atoms are wrong
@@ -443,6 +458,7 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
         marks[STAGE], marks[GRADUAL] = DROPPING, explained
         marks[INDEX] = 0
     else:
+        learn(fit)  # as nothing else is missed, which would be model error
         numbers[IN_VAIN] = min(numbers[IN_VAIN], score)
         numbers[LEAST_WORTH] = max(numbers[LEAST_WORTH], worth)
 
@@ -507,7 +523,7 @@ def answer_reading(
     errors, offset = fit.drawing.errors, own.numbers[OFFSET]
     errors[0], errors[1] = own.numbers[UNSURE_PLACE], own.numbers[UNSURE_FORCE]
     errors[2] = own.numbers[SPREAD]
-    if own.marks[STAGE] == RESTING:  # before, touches that are not found yet are model error, too
+    if not deadline or own.marks[STAGE] == RESTING:  # else what is not found yet is in it, too
         own.numbers[RESTED_SPREAD] = own.numbers[SPREAD]
     error = own.numbers[RESTED_SPREAD]
     join_by_strips(

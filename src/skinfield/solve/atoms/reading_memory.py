@@ -29,9 +29,9 @@ SEEKING, REFINING, DROPPING, SPLITTING, RESTING = range(5)
 # error that is searched by; the noise when it last changed; the least worth of atoms when compared;
 # energy of the reading before; the model error when sets of atoms were compared; the noise when
 # numbers of atoms were compared; deviations of place, thicknesses, and of the force's logarithm, as
-# the mechanics are not sure; these of a press that begins; where the first atom last was;
-# the model error in the mean square when no comparison was open; and the step in which the board
-# reads, in stated deviations.
+# the mechanics are not sure; these of a press that begins; where the first atom last was; the model
+# error in the mean square when no comparison waited for time; and the step in which the board
+# reads, in stated deviations, negative as long as it is a guess.
 (
     SCALE,
     COMPARED,
@@ -160,7 +160,6 @@ class ReadingMemory(NamedTuple):
         """Room for so many atoms."""
         numbers = np.zeros(READ_STEP + 1)
         numbers[DRAWN], numbers[MEAN_NOISE] = DRAWING, noise.mean()
-        numbers[READ_STEP] = np.inf
         made = cls(
             numbers,
             np.zeros(16, np.int64),
