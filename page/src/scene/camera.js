@@ -8,7 +8,7 @@ const FIELD = 26; // degrees; narrow, so that a millimetre is about as long in f
 const HOME_TILT = [0.42, 0.78]; // rad from looking straight down, on a tall and on a wide screen
 const STEEPEST = Math.PI - 0.02;
 const NARROW = 480; // px; in a narrower picture the skin reaches over the words in its corner,
-const FOOT = 26; // px, but not where these are
+const FOOT = 38; // px, but not where these are
 const NEAREST = 0.15;
 const FARTHEST = 8;
 
