@@ -45,8 +45,9 @@ def opened(browser: Any, skin: Served) -> Iterator[Look]:
 def look(opened: Look, skin: Served) -> Iterator[Look]:
     """The page, untouched, without an error before and after."""
     yield opened
-    if opened.value("skinfield.state.hello.mode") == "replay":
-        opened.at("back-to-live").click()
+    back = opened.at("back-to-live")
+    if back.is_visible():  # from a recording, or from looking back
+        back.click()
         opened.until("skinfield.state.hello.mode === 'live' && skinfield.state.lastUpdate")
     opened.page.keyboard.press("Escape")
     opened.until("skinfield.state.truth.length + skinfield.state.contacts.length === 0")

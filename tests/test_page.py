@@ -334,6 +334,13 @@ def test_it_fits_a_tablet(browser: Any, skin: Served) -> None:
 # recording, and looking at it again
 
 
+DENTED = """([x, y]) => {  // the skin in the picture, where it is pressed
+  const there = { position: [0, 0, 0], normal: [0, 0, 1] };
+  skinfield.scene.patches.at(0, x, y, there);
+  return there.position[2] < -1e-4;
+}"""
+
+
 @pytest.mark.usefixtures("fitted")
 def test_what_is_recorded_can_be_looked_at_again(look: Look, hand: Hand) -> None:
     hand.click(4.0, 7.0)
@@ -364,6 +371,7 @@ def test_what_is_recorded_can_be_looked_at_again(look: Look, hand: Hand) -> None
     look.seek(0.6 * end)
     stands = look.value("skinfield.state.lastUpdate.time_s")
     assert look.at("tare").is_disabled()
+    look.until(DENTED, [4e-3, 7e-3])
     look.shoot("replay")
     look.page.keyboard.press("Space")
     look.until("(then) => skinfield.state.lastUpdate.time_s > then + 0.2", stands)

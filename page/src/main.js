@@ -241,9 +241,10 @@ function drawn() {
   return Promise.race([scene.whenDrawn(), hidden]);
 }
 
-/** s, of a recording or of the newest reading. */
+/** s, of a recording or of the newest reading; NaN while an engine has none yet. */
 function timeOf({ time_s: time, stamp_ns: stamp }) {
-  return Number.isFinite(time) ? time : stamp * 1e-9;
+  if (Number.isFinite(time)) return time;
+  return stamp > 0 ? stamp * 1e-9 : NaN;
 }
 
 function drawLive(head, arrays) {

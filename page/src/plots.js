@@ -9,6 +9,7 @@ import { Series, Slots } from "./time_series.js";
 export const SLOTS = 6;
 const LONGEST_S = 30;
 const GONE_S = 0.3; // after which the colour of a track may go to another
+const GAP_S = 1; // without a reading, over which no line is drawn
 const EVERY_MS = 100; // plots are drawn this often: they must not cost updates
 const FONT = '11px system-ui, "Segoe UI", Roboto, sans-serif';
 
@@ -46,8 +47,8 @@ export class Plots {
     });
     this.#latency = chart(latencyBox, {
       series: [
-        { stroke: () => cssColour("--line"), width: 1.5 },
-        { stroke: () => cssColour("--slot-5"), width: 1.25 },
+        { stroke: () => cssColour("--line"), width: 1.5, points: alone(() => cssColour("--line")) },
+        { stroke: () => cssColour("--slot-5"), width: 1.25, points: alone(() => cssColour("--slot-5")) },
         { stroke: () => cssColour("--late"), width: 1.25, dash: [6, 4] },
         { stroke: () => cssColour("--late"), points: { show: true, size: 4, fill: () => cssColour("--late") }, paths: () => null },
       ],
@@ -76,7 +77,7 @@ export class Plots {
 
   /** Show the past up to a time, s; null: up to now again. */
   until(time) {
-    if (time === null && this.#until !== null) for (const series of [this.#forces, this.#times]) series.gap();
+    if (time === null && this.#until !== null) this.#gap();
     this.#until = time;
     this.draw(true);
   }
@@ -97,7 +98,9 @@ export class Plots {
 
   /** Add what an update tells: pairs of contact and truth, at a time in s. */
   add(time, pairs, { ready_us: ready, latency_us: latency, late }) {
-    if (this.#forces.length && time < this.#forces.now) this.#slots.clear();
+    if (!Number.isFinite(time)) return;
+    if (time < this.#forces.now) this.#slots.clear();
+    if (time > this.#forces.now + GAP_S) this.#gap();
     const row = Array(2 * SLOTS).fill(NaN);
     for (const { contact, truth } of pairs) {
       const slot = this.#slots.of(contact.key, time);
@@ -109,6 +112,10 @@ export class Plots {
     const [whole, computing] = [latency, ready].map((value) => (value > 0 ? value : NaN)); // for logs
     this.#times.push(time, [whole, computing, this.#deadline, late ? computing : NaN]);
     this.draw();
+  }
+
+  #gap() {
+    for (const series of [this.#forces, this.#times]) series.gap();
   }
 
   /** Draw soon, not more often than is worth it. */

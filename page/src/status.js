@@ -119,7 +119,7 @@ export class StatusLine {
     this.#status = status;
     if (this.#lost) return;
     this.#headline();
-    const words = healthWords(status).join(" · ");
+    const words = healthWords(status).map((each) => each.replaceAll(" ", "\u00a0")).join(" · "); // numbers beside their units
     setText(byId("health-text"), words);
     this.#showEngines(status.engines ?? []);
     this.#showNotes((status.engines ?? []).flatMap(notesOf));

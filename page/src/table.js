@@ -19,7 +19,7 @@ export class ContactsTable {
   show(rows, truths, { now, patchName, slotOf, none, relative }) {
     const missed = unfound(rows, truths);
     const made = [
-      ...rows.map((row) => contactRow(row, patchName, slotOf)),
+      ...rows.toSorted(byNumber).map((row) => contactRow(row, patchName, slotOf)),
       ...missed.map((truth) => missedRow(truth, patchName)),
     ];
     if (made.length === 0) made.push(emptyRow(none));
@@ -43,6 +43,11 @@ export class ContactsTable {
     const words = rows.length ? `${rows.length} contact${rows.length > 1 ? "s" : ""}: ${each.join("; ")}` : "No contact";
     setText(byId("contacts-summary"), words);
   }
+}
+
+/** Rows stay in their places when one contact grows stronger than another. */
+function byNumber({ contact: one }, { contact: other }) {
+  return one.patch - other.patch || one.track - other.track;
 }
 
 function contactRow({ contact, truth, error_m, error_percent }, patchName, slotOf) {

@@ -7,6 +7,8 @@ import * as THREE from "three";
 const FIELD = 26; // degrees; narrow, so that a millimetre is about as long in front as behind
 const HOME_TILT = [0.42, 0.78]; // rad from looking straight down, on a tall and on a wide screen
 const STEEPEST = Math.PI - 0.02;
+const NARROW = 480; // px; in a narrower picture the skin reaches over the words in its corner,
+const FOOT = 38; // px, but not where these are
 const NEAREST = 0.15;
 const FARTHEST = 8;
 
@@ -148,7 +150,9 @@ export class OrbitCamera {
 
   /** Nearest place from which all points are inside the margins. */
   #fit() {
-    const { points, margins } = this;
+    const { points } = this;
+    const foot = this.width < NARROW ? FOOT / this.height : 0;
+    const margins = { ...this.margins, bottom: Math.max(this.margins.bottom, foot) };
     const box = new THREE.Box3().setFromPoints(points);
     box.getCenter(this.target);
     this.distance = 2.5 * box.getSize(new THREE.Vector3()).length();

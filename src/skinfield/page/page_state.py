@@ -9,6 +9,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import suppress
 from pathlib import PurePath
 from typing import Any, TypeVar
+from weakref import WeakKeyDictionary
 
 from skinfield.errors import SkinfieldError
 from skinfield.loop.snapshot import Snapshot
@@ -98,7 +99,8 @@ class PageState:
         self.truth: Sequence[Any] = ()
         self.notices: deque[tuple[int, str, str]] = deque(maxlen=NOTICES)
         self._noted = self._turn = 0
-        self._tried: dict[str, float] = {}
+        self.opened: list[DataSource] = []  # recordings, each looked at by one browser
+        self._tried: WeakKeyDictionary[DataSource, float] = WeakKeyDictionary()
         self.sessions = 0
         self._update_pool = ThreadPoolExecutor(1, "page-updates")
         self._command_pool = ThreadPoolExecutor(1, "page-commands")
@@ -210,13 +212,13 @@ class PageState:
         if self._preparing is not None and self._preparing.is_alive():
             return
         now = time.monotonic()
-        for source in self.layout.sources:
-            if now - self._tried.get(source.name, -PREPARES) < RETRY:
+        for source in (*self.layout.sources, *self.opened):
+            if now - self._tried.get(source, -PREPARES) < RETRY:
                 continue  # others may be prepared meanwhile
             with suppress(SkinfieldError):
                 snapshot = source.latest()
                 if snapshot is not None and not snapshot.prepared and snapshot.stamp_ns:
-                    self._tried[source.name] = now
+                    self._tried[source] = now
                     self._preparing = threading.Thread(
                         target=_prepare, args=(snapshot,), name="prepare", daemon=True
                     )

@@ -328,6 +328,7 @@ class Session:
             except asyncio.CancelledError:  # the browser has gone, and nobody would close it
                 opening.add_done_callback(_close_result)
                 raise
+            state.opened.append(opened)
             await self._begin(SceneLayout((opened,)), opened)
             return {}
         replay = self._replay
@@ -359,7 +360,8 @@ class Session:
 
     async def _close(self, replay: Any) -> None:
         """Let go of a recording that this browser alone looked at, if it is one."""
-        if replay is not self._state.controller.shared:
+        if replay in self._state.opened:
+            self._state.opened.remove(replay)
             await self._state.command_work(replay.close)
 
 

@@ -204,7 +204,7 @@ class Updates:
         assert snapshot is not None  # whoever calls has looked
         row, name = snapshot.patches[each.place], each.patch.name
         answer, rung = Answer(int(row["answer"])), int(row["rung"])
-        key = (int(row["stamp_ns"]), int(answer), rung)
+        key = (int(row["stamp_ns"]), int(answer), rung, snapshot.prepared)
         if self._sent.get(number) == key or self._rests(number, answer, its):
             return None
         self._sent[number] = key
