@@ -121,8 +121,8 @@ def test_questions_have_guesses_and_wrong_answers_are_asked_again(
     monkeypatch: pytest.MonkeyPatch, table: Floats
 ) -> None:
     write("log.csv", ["t", *NAMES], table[:80])  # nothing presses
-    terminal(monkeypatch, "nowhere.csv", "taxels.csv", "mm", "log.csv", "", "", "", "vh*", "ch*",
-             "", "0", "3", "wood", "foam")  # fmt: skip
+    terminal(monkeypatch, "", "nowhere.csv", "taxels.csv", "mm", "log.csv", "", "", "", "vh*",
+             "ch*", "", "0", "3", "wood", "foam")  # fmt: skip
     done = invoke(["new", "-o", "mine.toml"])
     assert done.exit_code == 0, done.output
     for asked in (
@@ -134,7 +134,7 @@ def test_questions_have_guesses_and_wrong_answers_are_asked_again(
         "[silicone]",
     ):
         assert asked in done.stderr
-    for wrong in ("nowhere.csv", "'vh*' match nothing", "wood"):
+    for wrong in ("an answer is needed", "nowhere.csv", "'vh*' match nothing", "wood"):
         assert wrong in done.stderr
     text = Path("mine.toml").read_text()
     assert "thickness_mm = 3.0" in text
