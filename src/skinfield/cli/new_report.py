@@ -28,7 +28,7 @@ MOST_SHOWN = 8  # presses
 STANDS_OUT = 8.0  # deviations, of readings in which something presses
 APART = 0.2  # s between presses
 MOST = 0.5  # of the taxels
-MANY = 5  # contacts: more, on most of the taxels, are a load all over the skin
+LARGE = 24  # taxels: on most of so many, several contacts are one load all over the skin
 ENOUGH = 40  # presses, from which on a calibration by touch is sure to begin
 FIRST = (
     Column("time s", "time_s", decimals=2), Column("taxel", "taxel"),
@@ -195,7 +195,8 @@ def first_contacts(review: LogReview, names: tuple[str, ...]) -> list[dict[str, 
         }  # fmt: skip
         if reconstruct is not None:
             estimate = reconstruct(review.readings[at])
-            row["all_over"] = bool(review.share[at] > MOST) and len(estimate.contacts) > MANY
+            wide = bool(review.share[at] > MOST) and int(review.usable.sum()) >= LARGE
+            row["all_over"] = wide and len(estimate.contacts) > 1
             if not row["all_over"]:
                 if estimate.contacts:
                     row |= report.plain_contacts(estimate.contacts)[0]
