@@ -104,12 +104,25 @@ def test_new_makes_a_file_that_every_command_takes(table: Floats) -> None:
     assert "--yes" in again
 
 
+def test_a_load_all_over_the_skin_makes_no_contacts(table: Floats) -> None:
+    loaded = table.copy()  # in place of the third press
+    loaded[300:360, 1:] *= 1.0 + np.random.default_rng(0).uniform(0.02, 0.5, 64)
+    write("log.csv", ["t", *NAMES], loaded)
+    made = result_of("new", "--positions", "taxels.csv", *ALL, "--yes")
+    assert " s most taxels are pressed at once: contacts of such" in " ".join(made["notes"])
+    *others, last = made["first"]
+    assert [row["force_N"] for row in others] == pytest.approx([1.0, 2.0], rel=0.5)
+    assert last["all_over"]
+    assert 6.0 <= last["time_s"] < 7.2
+    assert not {"force_N", "x_m", "contacts"} & set(last)
+
+
 def test_questions_have_guesses_and_wrong_answers_are_asked_again(
     monkeypatch: pytest.MonkeyPatch, table: Floats
 ) -> None:
     write("log.csv", ["t", *NAMES], table[:80])  # nothing presses
-    terminal(monkeypatch, "nowhere.csv", "taxels.csv", "mm", "log.csv", "", "", "", "vh*", "ch*",
-             "", "0", "3", "wood", "foam")  # fmt: skip
+    terminal(monkeypatch, "", "nowhere.csv", "taxels.csv", "mm", "log.csv", "", "", "", "vh*",
+             "ch*", "", "0", "3", "wood", "foam")  # fmt: skip
     done = invoke(["new", "-o", "mine.toml"])
     assert done.exit_code == 0, done.output
     for asked in (
@@ -121,7 +134,7 @@ def test_questions_have_guesses_and_wrong_answers_are_asked_again(
         "[silicone]",
     ):
         assert asked in done.stderr
-    for wrong in ("nowhere.csv", "'vh*' match nothing", "wood"):
+    for wrong in ("an answer is needed", "nowhere.csv", "'vh*' match nothing", "wood"):
         assert wrong in done.stderr
     text = Path("mine.toml").read_text()
     assert "thickness_mm = 3.0" in text
@@ -405,6 +418,8 @@ def test_a_foot_of_an_icub() -> None:
     notes = " ".join(made["notes"])
     assert "taken as iCub bytes" in notes
     assert "40 of 250 taxels are frozen with their whole board" in notes
+    assert "no unloaded part: something presses in every reading, on up to 99% of" in notes
+    assert made["first"] == []  # 18 contacts, which mean nothing
     assert 'profile = "icub"' in Path("foot.toml").read_text()
 
 

@@ -29,8 +29,8 @@ def event(name: str) -> SimpleNamespace:
     return SimpleNamespace(data={"dispatcher": SimpleNamespace(py_func=function)})
 
 
-def progress_of(clock: list[float], cached: set[str]) -> CompileProgress:
-    return CompileProgress("run", cached.__contains__, lambda: clock[0])
+def progress_of(clock: list[float], cached: set[str], crowd: float = 1.0) -> CompileProgress:
+    return CompileProgress("run", cached.__contains__, lambda: clock[0], lambda: crowd)
 
 
 def steps(progress: CompileProgress, clock: list[float], pace: float) -> Iterator[float]:
@@ -67,6 +67,28 @@ def test_the_time_that_is_left_goes_by_this_machines_pace(clock: list[float]) ->
         left[pace] = progress.seconds_left
     assert left[1.0] == pytest.approx(6.0)
     assert 20.0 < left[10.0] < 60.0  # at ten times the known time for 4 of 10 s
+
+
+@pytest.mark.parametrize("crowd", [1.0, 6.0])
+def test_on_a_busy_machine_the_time_that_is_left_hardly_grows(
+    clock: list[float], crowd: float
+) -> None:
+    pace = 6.0  # of six programs on a processor
+    progress = progress_of(clock, set(), crowd)
+    said = [progress.seconds_left]
+    for _ in steps(progress, clock, pace):
+        said.append(progress.seconds_left)
+        assert said[-1] <= said[-2] + compile_progress.CLIMB * pace
+    assert said[0] == pytest.approx(10.0 * crowd)
+    assert max(said) <= (70.0 if crowd == 6.0 else 25.0)
+
+
+def test_short_functions_count_when_those_beside_them_end(clock: list[float]) -> None:
+    progress = progress_of(clock, set())
+    progress.on_start(event("a.root"))
+    progress.on_start(event("a.leaf"))
+    progress.on_end(event("a.leaf"))
+    assert progress.share == pytest.approx((2.0 + 1.0 * 2.0 / 3.0) / 10.0)
 
 
 def test_what_the_cache_holds_is_no_work(clock: list[float]) -> None:

@@ -449,7 +449,7 @@ function startPressedSkin(root) {
     event.target.textContent = copied ? "Copied" : "The link is in the address bar";
   });
   new ResizeObserver(update).observe(canvas);
-  new MutationObserver(update).observe(document.body, { attributes: true }); // the theme
+  new MutationObserver(update).observe(document.documentElement, { attributeFilter: ["data-theme"] });
 }
 
 if (typeof document !== "undefined") {

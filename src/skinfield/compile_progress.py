@@ -3,10 +3,12 @@
 What there is to compile is known beforehand: `compile_times.json` has the seconds of each function
 by the outermost one that it is part of, which is what the cache holds, and the outermost ones of
 each use. `benchmarks/compile_times.py` measures them. How much faster or slower this machine is
-shows as it goes on.
+shows as it goes on; how busy it is, at once.
 """
 
 import json
+import math
+import os
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -22,6 +24,7 @@ from skinfield.compiled import PACKAGE, is_cached
 Use = Literal["reconstruct", "heavy", "linear", "run"]
 FILE = Path(__file__).with_name("compile_times.json")
 TRUST = 5.0  # s of known times, after which a machine's own pace counts for half
+CLIMB = 0.25  # s by which what is left may grow in a second
 LOOKS = 0.5  # s from look to look what other processes have compiled
 
 
@@ -53,6 +56,22 @@ def is_compiled(outermost: str) -> bool:
     return file.is_file() and is_cached(file, name)
 
 
+def crowding() -> float:
+    """Programs, with this one, that want each processor; at least 1."""
+    if not hasattr(os, "getloadavg"):  # on Windows
+        return 1.0
+    return max((os.getloadavg()[0] + 1.0) / (os.cpu_count() or 1), 1.0)
+
+
+def _spread(seconds: dict[str, float]) -> dict[str, float]:
+    """Seconds of functions with those of the short ones among them, which end in between."""
+    short = seconds.get("", 0.0)
+    rest = sum(seconds.values()) - short
+    if not rest:
+        return dict(seconds)
+    return {name: its * (1.0 + short / rest) for name, its in seconds.items() if name}
+
+
 class CompileProgress(Listener):
     """Estimate of how far the compilation for a use is; each of its methods may be called anywhere.
 
@@ -65,6 +84,8 @@ class CompileProgress(Listener):
         Whether the cache holds an outermost function.
     clock : function, optional
         Time, s.
+    crowd : function, optional
+        Programs that want each processor, at least 1: so many times longer it takes.
 
     Attributes
     ----------
@@ -77,16 +98,17 @@ class CompileProgress(Listener):
         use: Use,
         compiled: Callable[[str], bool] = is_compiled,
         clock: Callable[[], float] = time.monotonic,
+        crowd: Callable[[], float] = crowding,
     ) -> None:
         known = known_times()
-        self._compiled, self._clock = compiled, clock
+        self._compiled, self._clock, self._crowd = compiled, clock, crowd()
         names = [name for name in known.uses[use] if not compiled(name)]
-        self._left = {name: dict(known.seconds[name]) for name in names}
+        self._left = {name: _spread(known.seconds[name]) for name in names}
         self._total = sum(sum(each.values()) for each in self._left.values())
         self._lock = threading.Lock()
         self._threads: dict[int, list[str]] = {}
         self._began = self._event = self._looked = clock()
-        self._done = 0.0
+        self._done, self._said = 0.0, (self._began, math.inf)
         self.count = 0
 
     def on_start(self, event: Any) -> None:
@@ -125,7 +147,7 @@ class CompileProgress(Listener):
 
     @property
     def seconds_left(self) -> float:
-        """At the pace so far, s."""
+        """At the pace so far, s; it grows slowly, if at all."""
         return self._estimate()[1]
 
     def _estimate(self) -> tuple[float, float]:
@@ -137,11 +159,15 @@ class CompileProgress(Listener):
                     self._left.pop(name)
             left = sum(sum(each.values()) for each in self._left.values())
             spent = self._total - left
-            pace = (TRUST + now - self._began if self.count else TRUST) / (TRUST + spent)
+            taken = now - self._began if self.count else 0.0
+            pace = (self._crowd * TRUST + taken) / (TRUST + spent)
             left -= min((now - self._event) / pace, self._at_most()) if self.is_going_on else 0.0
             share = 1.0 - left / self._total if self._total else 1.0
             self._done = max(self._done, min(max(share, 0.0), 1.0))
-            return self._done, max(pace * self._total * (1.0 - self._done), 0.0)
+            before, seconds = self._said
+            most = seconds + CLIMB * (now - before)
+            self._said = now, min(max(pace * self._total * (1.0 - self._done), 0.0), most)
+            return self._done, self._said[1]
 
     def _at_most(self) -> float:
         """Seconds that what is being compiled now takes at the most."""

@@ -66,10 +66,12 @@ def log_settings_for(
     chosen = ask.answer(
         "--columns", f"Columns of the taxels, of {shortlist(found.names)}", flags.columns,
         cols.guess_columns(found, (time, cell)),
-        lambda text: found.columns(_words(found, text), (time, cell)),
+        lambda text: match(
+            patch, names, found.columns(_words(found, text), (time, cell)), found.source
+        ),
     )  # fmt: skip
     assert chosen is not None
-    matched, patch = match(patch, names, chosen, found.source)
+    matched, patch = chosen
     guess, why = _unit(found, matched)
     if flags.unit is None:
         note(f"values of the taxels are taken as {guess}: {why}")

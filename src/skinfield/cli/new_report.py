@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 MOST_SHOWN = 8  # presses
 STANDS_OUT = 8.0  # deviations, of readings in which something presses
 APART = 0.2  # s between presses
+MOST = 0.5  # of the taxels
+LARGE = 24  # taxels: on most of so many, several contacts are one load all over the skin
 ENOUGH = 40  # presses, from which on a calibration by touch is sure to begin
 FIRST = (
     Column("time s", "time_s", decimals=2), Column("taxel", "taxel"),
@@ -77,6 +79,8 @@ class LogReview:
     usable: Any  # (L,) bool
     presses: list[int]  # the strongest reading of each
     cell: Floats | None  # (T,)
+    rests: bool  # whether the skin is unloaded at some time
+    share: Floats  # (T,) of the usable taxels, that are pressed
 
     @property
     def strongest(self) -> list[int]:
@@ -94,6 +98,7 @@ def finish_new(made: NewSkin, output: str, picture: str | None, as_json: bool) -
     from skinfield.skin.plot import draw_layout
 
     rows: list[dict[str, Any]] = []
+    said: tuple[str, ...] = ()
     with TemporaryDirectory(prefix="skinfield-new-") as folder:
         file = Path(folder) / Path(output).name
         own_toml.write(made.skin, file, made.tables)
@@ -101,16 +106,20 @@ def finish_new(made: NewSkin, output: str, picture: str | None, as_json: bool) -
         review = None if made.log is None else review_log(made, str(file))
         if review is not None:
             report.say_notes(review.survey.notes)
-            with report.compilation(quiet=as_json):
-                rows = first_contacts(review, made.names)
+            if review.rests:
+                with report.compilation(quiet=as_json):
+                    rows = first_contacts(review, made.names)
+            said = loads_in_words(made, review, rows)
+            report.say_notes(said)
         data = file.read_bytes()
     write_bytes(output, data)
     if picture is not None:
-        save(draw_layout(made.skin) if review is None else _figure(review, made), picture)
+        drawn = draw_layout(made.skin) if review is None else _figure(review, made, bool(said))
+        save(drawn, picture)
     result = {
         "skin": output, "taxels": len(made.skin[0]), "log": made.log,
         "findings": [f"{each.severity}: {each.message}" for each in findings],
-        "notes": [] if review is None else list(review.survey.notes), "first": rows,
+        "notes": [] if review is None else [*review.survey.notes, *said], "first": rows,
         "next": next_commands(made, output, review),
     }  # fmt: skip
     report.finish(as_json, result, (output, picture), _lines(made, review, rows, findings))
@@ -148,12 +157,14 @@ def review_log(made: NewSkin, file: str) -> LogReview:
         rest, noise = counted.baseline, counted.noise_std
     else:
         rest, noise = np.nanmedian(recording.counts, axis=0), survey.noise_std
-    over = np.nan_to_num(readings / survey.noise_std)
+    share = (np.nan_to_num(readings / survey.noise_std) > STANDS_OUT)[:, usable].mean(axis=1)
     load = np.nan_to_num(readings).max(axis=1) if cell is None else np.abs(cell)
-    pressed = over.max(axis=1) > STANDS_OUT if cell is None else ~idle_under(cell)
+    pressed = share > 0.0 if cell is None else ~idle_under(cell)
+    rests = int((~pressed).sum()) >= FEWEST or share.max() <= MOST
     gap = max(int(APART * survey.rate), 1)
     presses = presses_in(np.flatnonzero(pressed), load, gap)
-    return LogReview(plan, recording.time, readings, survey, rest, noise, usable, presses, cell)
+    return LogReview(plan, recording.time, readings, survey, rest, noise, usable, presses, cell,
+                     rests, share)  # fmt: skip
 
 
 def _unloaded(seconds: Floats, load: Floats) -> tuple[float, float] | None:
@@ -184,17 +195,40 @@ def first_contacts(review: LogReview, names: tuple[str, ...]) -> list[dict[str, 
         }  # fmt: skip
         if reconstruct is not None:
             estimate = reconstruct(review.readings[at])
-            if estimate.contacts:
-                row |= report.plain_contacts(estimate.contacts)[0]
-            row["contacts"] = len(estimate.contacts)
-            row["force_N"] = float(estimate.normal_force)  # of all contacts
+            wide = bool(review.share[at] > MOST) and int(review.usable.sum()) >= LARGE
+            row["all_over"] = wide and len(estimate.contacts) > 1
+            if not row["all_over"]:
+                if estimate.contacts:
+                    row |= report.plain_contacts(estimate.contacts)[0]
+                row["contacts"] = len(estimate.contacts)
+                row["force_N"] = float(estimate.normal_force)  # of all contacts
         if review.cell is not None:
             row["load_cell"] = float(review.cell[at])
         rows.append(row)
     return rows
 
 
-def _figure(review: LogReview, made: NewSkin) -> Any:
+def loads_in_words(made: NewSkin, review: LogReview, rows: list[dict[str, Any]]) -> tuple[str, ...]:
+    """Why no contacts are told of a log, or of some of its presses."""
+    if not review.rests:
+        return (
+            f"{made.log} has no unloaded part: something presses in every reading, on up to "
+            f"{review.share.max():.0%} of the taxels, so that contacts would mean nothing, and the "
+            "picture has the readings of the largest load instead; log the skin at rest for two "
+            "seconds before it is touched, or name a part that is unloaded: skinfield reconstruct "
+            "--tare BEGIN,END",
+        )
+    wide = [f"{row['time_s']:.2f} s" for row in rows if row.get("all_over")]
+    if not wide:
+        return ()
+    return (
+        f"at {', '.join(wide)} most taxels are pressed at once: contacts of such a load mean "
+        "nothing; an even pressure that is known calibrates the taxels: skinfield calibrate "
+        "pressure",
+    )
+
+
+def _figure(review: LogReview, made: NewSkin, as_map: bool) -> Any:
     from skinfield.signal.plot import draw_log
 
     names = made.names or tuple(map(str, range(len(review.plan.patch))))
@@ -202,6 +236,7 @@ def _figure(review: LogReview, made: NewSkin) -> Any:
         review.plan.patch, names, review.seconds, review.readings, review.rest, review.noise,
         review.usable, review.strongest, quantity=review.survey.conditioner.quantity.symbol,
         unit="counts" if review.plan.log.unit == "count" else review.plan.log.unit,
+        loaded=int(np.nansum(review.readings, axis=1).argmax()) if as_map else None,
     )  # fmt: skip
 
 
@@ -211,11 +246,7 @@ def _lines(
     """What is known of the skin now."""
     patch = made.skin[0]
     pitch = f", {patch.pitch * 1e3:.3g} mm apart" if len(patch) > 1 else ""
-    wrong = sum(each.severity == "error" for each in findings)
-    yield (
-        f"{patch.name}: {plural(len(patch), 'taxel')}{pitch}; "
-        + (f"{plural(wrong, 'error')} in their positions, see above" if wrong else "lint: no error")
-    )
+    yield f"{patch.name}: {plural(len(patch), 'taxel')}{pitch}; {_lint_in_words(made, findings)}"
     if review is None:
         return
     span = review.seconds[-1] - review.seconds[0]
@@ -229,6 +260,8 @@ def _lines(
         way = {1: "rise", -1: "fall", 0: "are taken to rise"}[made.polarity.direction]
         unsure = "" if made.polarity.direction else ": too few presses to tell"
         yield f"counts {way} when pressed{unsure}"
+    if not review.rests:
+        return
     if not rows:
         yield "nothing presses in this log: record one of some presses on the skin at rest"
         return
@@ -239,8 +272,17 @@ def _lines(
     more = f", the {len(rows)} strongest" if len(review.presses) > len(rows) else ""
     title = f"presses in this log: {len(review.presses)}{more}"
     yield report.table_of(title, rows, report.in_scale(used, relative))
-    if relative and len(patch) > 1:
+    if relative and any("force_N" in row for row in rows):
         yield "forces are relative: true up to one factor, which a known load gives"
+
+
+def _lint_in_words(made: NewSkin, findings: list[Finding]) -> str:
+    """Errors of the file that is written, and those of its source that are none any more."""
+    wrong = [each.code for each in findings[len(made.findings) :] if each.severity == "error"]
+    before = (each.code for each in made.findings if each.severity == "error")
+    mended = len([code for code in before if code not in wrong])
+    words = f"lint: {plural(len(wrong), 'error') if wrong else 'no error'}"
+    return f"{words}, {mended} mended, see above" if mended else words
 
 
 def _range(values: Floats) -> str:
@@ -263,8 +305,10 @@ def next_commands(made: NewSkin, output: str, review: LogReview | None) -> list[
     answer = f"skinfield reconstruct {log} --skin {skin} -o {contacts}"
     if review.cell is not None:
         return [force, answer]
-    presses = log if len(review.presses) >= ENOUGH else "presses.csv"
+    presses = log if review.rests and len(review.presses) >= ENOUGH else "presses.csv"
     touch = f"skinfield calibrate touch {presses} --skin {skin} -o {cal}"
+    if not review.rests:
+        return [touch]
     return [touch, answer] if presses == log else [answer, touch]
 
 

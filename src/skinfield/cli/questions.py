@@ -82,6 +82,7 @@ class Questions:
                 raise InputError(f"{flag} is missing, expected an answer to: {question}")
             text = line.strip() or usual
             if text is None:
+                note("an answer is needed, there is no guess; Ctrl-C ends this", "red")
                 continue
             try:
                 return self._read(text, read, optional)

@@ -67,20 +67,20 @@ def progress(
 
 
 @contextmanager
-def compilation(*, quiet: bool = False) -> Iterator[None]:
+def compilation(*, quiet: bool = False) -> Iterator["CompileProgress"]:
     """Bar on stderr of what is compiled for this machine, or lines; nothing if nothing is."""
     from skinfield.compile_progress import followed
     from skinfield.compiled import MODE
 
     with followed("heavy" if MODE.interpreted else "reconstruct") as compiling:
         if quiet:
-            yield
+            yield compiling
             return
         shown = threading.Event()
         thread = threading.Thread(target=_show_compilation, args=(compiling, shown), daemon=True)
         thread.start()
         try:
-            yield
+            yield compiling
         finally:
             shown.set()
             thread.join()

@@ -39,7 +39,6 @@ from skinfield.processes import Child, start_python
 REFRESH = 0.25  # s
 DIGITS = 4  # to which numbers of contacts are rounded: what they are good for
 SETTLE = 3.0  # s that the engine answers a press, to warm up
-STARTING = "starting"
 SILENT = 5.0  # s without a message until that is reported
 RECENT = 1.0  # s that the table calls the last
 STARTS = 600.0  # s without any progress of a start: code may have to be compiled first
@@ -358,7 +357,7 @@ def start_all(
     from skinfield.record.launch import recorder
 
     source, virtual = wanted.source, None
-    with console.status(STARTING):
+    with console.status("starting"):
         profile, settings_of = settings_by_source(wanted)
         settings = settings_of(source)  # refuses what it must before anything starts
         if source.hardware is None:

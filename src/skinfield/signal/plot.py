@@ -141,6 +141,7 @@ def draw_log(
     *,
     quantity: str = "reading",
     unit: str = "counts",
+    loaded: int | None = None,
 ) -> "Figure":
     """Figure of a log of a skin: its taxels by name, their rest and noise, readings over time.
 
@@ -159,6 +160,8 @@ def draw_log(
         Readings that are marked over time.
     quantity, unit : str
         What readings are of, and in which unit rest and noise are.
+    loaded : int, optional
+        Reading that is drawn in place of the rest.
     """
     with style():
         figure = new_figure(11.0, 6.6)
@@ -169,8 +172,12 @@ def draw_log(
         if len(patch) <= MOST_NAMED:
             for (x, y), name in zip(patch.plane * MM, names, strict=True):
                 order.text(x, y, name[-5:], fontsize=5.5, ha="center", va="center", color=INK)
-        for box, values, title in zip(boxes[1:], (rest, noise), ("rest", "noise"), strict=True):
-            words = f"{title} ({unit})"
+        first = rest, f"rest ({unit})"
+        if loaded is not None:
+            first = readings[loaded], f"{quantity} at {time_s[loaded]:.2f} s"
+        for box, (values, words) in zip(
+            boxes[1:], (first, (noise, f"noise ({unit})")), strict=True
+        ):
             _draw_map(figure, figure.add_axes(box), patch, values, usable, words, words)
         axes = figure.add_axes((0.075, 0.08, 0.905, 0.28))
         _draw_readings(axes, names, time_s, readings, presses, quantity)
