@@ -33,6 +33,7 @@ from skinfield.solve.atoms.fit_kernel import (
 )
 from skinfield.solve.atoms.posterior_kernel import KNOWN, STALE, UNKNOWN
 from skinfield.solve.atoms.reading_memory import (
+    BEFORE,
     ERRORS,
     HERE,
     LAST,
@@ -289,13 +290,13 @@ def take_change(fit: Fit, readings: Floats) -> None:
     Of a first reading it is a guess: the smallest of what taxels read.
     """
     numbers, change, least = fit.own.numbers, np.inf, np.inf
-    before = fit.memory.taxels[READINGS]
+    before, follows = fit.memory.taxels[READINGS], numbers[BEFORE] > 0.0
     for taxel in range(len(readings)):
         noise = fit.own.heard[taxel]
         now, its = abs(readings[taxel]) / noise, abs(readings[taxel] - before[taxel]) / noise
         if now > UNCHANGED:
             least = min(least, now)
-        if before[taxel] != 0.0 and its > UNCHANGED:
+        if follows and before[taxel] != 0.0 and its > UNCHANGED:
             change = min(change, its)
     known = numbers[READ_STEP]
     if change < np.inf:

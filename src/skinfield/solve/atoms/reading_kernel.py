@@ -286,6 +286,9 @@ def find_contacts(fit: Fit, readings: Floats, valid: NDArray[np.bool_], deadline
     marks[DUTY] = (marks[DUTY] + 1) % DUTIES if pressed else 0
     memory.marks[LATE] = memory.marks[STEPS] = memory.marks[STEPPED] = 0
     common = fit.rules.common_mode * take_noise(fit, valid)
+    if not fit.rules.warm:
+        memory.counts[NOW] = 0
+        forget(own, fit.rules.model_error)
     take_change(fit, readings)
     energy, highest = 0.0, 0.0
     for taxel in range(len(readings)):
@@ -294,9 +297,6 @@ def find_contacts(fit: Fit, readings: Floats, valid: NDArray[np.bool_], deadline
         energy += over * over
         highest = max(highest, abs(over))
     marks[IS_STRONG] = highest > STRONG
-    if not fit.rules.warm:
-        memory.counts[NOW] = 0
-        forget(own, fit.rules.model_error)
     if memory.counts[NOW]:
         follow(fit, energy, common, deadline)
     else:

@@ -195,6 +195,7 @@ def forget(own: ReadingMemory, error: float) -> None:
     """Have the next reading be the first one, of a model with some error."""
     own.numbers[MISFIT] = own.numbers[SPREAD] = own.numbers[RESTED_SPREAD] = error
     own.numbers[SCALE], own.numbers[COMPARED] = 1.0, 0.0
+    own.numbers[BEFORE] = own.numbers[READ_STEP] = 0.0
     own.numbers[PLACE_X] = own.numbers[PLACE_Y] = np.inf
     own.numbers[LAST_X] = own.numbers[LAST_Y] = np.inf
     own.numbers[UNSURE_PLACE] = own.numbers[UNSURE_FORCE] = 0.0
