@@ -13,10 +13,10 @@ from cyclopts import Parameter
 from skinfield.cli import options, report
 from skinfield.cli.report import Column
 from skinfield.cli.settings import Elastomer, ModelSettings
-from skinfield.errors import InputError, as_floats
+from skinfield.errors import Floats, InputError, as_floats
 
 if TYPE_CHECKING:
-    from skinfield import Estimate
+    from skinfield import Estimate, Reconstructor
     from skinfield.simulate import Press, Sphere
 
 DEFAULT_PRESSES = ("13,-12,3,10", "-16,8,2,6")  # mm, mm, N, mm
@@ -64,10 +64,7 @@ def demo(
     output : str, optional
         Figure to write: .png, .pdf or .svg. Default demo.png, or a name that is free.
     """
-    from skinfield.compile_progress import is_compiled, known_times
     from skinfield.compiled import CONFIG, MODE
-    from skinfield.plot import duration
-    from skinfield.processes import start_python
     from skinfield.simulate import press as pressed
 
     picture = output
@@ -114,15 +111,36 @@ def demo(
         if is_first:
             yield INTERPRETED
             return
-        later = np.median(timeit.repeat(lambda: reconstructor(readings), number=1, repeat=20))
-        first, once = "", "compiled once for this machine"
-        if own:
-            first, once = f"{duration(estimate.latency)}, ", f"prepared once in {prepared:.1f} s"
-        nodes = " x ".join(map(str, estimate.grid.shape))
-        yield f"latency: {first}{duration(float(later))} the next time, at {nodes} nodes; {once}"
+        yield _latency(reconstructor, readings, estimate, prepared if own else None)
 
     report.finish(as_json, result, [picture], lines())
-    if is_first and not is_compiled(known_times().uses["run"][0]):  # else one has begun before
+    if is_first:
+        _compile_in_background()
+
+
+def _latency(
+    reconstructor: "Reconstructor",
+    readings: Floats,
+    estimate: "Estimate",
+    prepared: float | None,
+) -> str:
+    """What a reading takes the first time, unless something was compiled, and the next times."""
+    from skinfield.plot import duration
+
+    later = np.median(timeit.repeat(lambda: reconstructor(readings), number=1, repeat=20))
+    first, once = "", "compiled once for this machine"
+    if prepared is not None:
+        first, once = f"{duration(estimate.latency)}, ", f"prepared once in {prepared:.1f} s"
+    nodes = " x ".join(map(str, estimate.grid.shape))
+    return f"latency: {first}{duration(float(later))} the next time, at {nodes} nodes; {once}"
+
+
+def _compile_in_background() -> None:
+    """Have all be compiled for this machine, unless that has begun before."""
+    from skinfield.compile_progress import is_compiled, known_times
+    from skinfield.processes import start_python
+
+    if not is_compiled(known_times().uses["run"][0]):
         with Path(os.devnull).open("wb") as nowhere:
             start_python("skinfield", "warmup", "--json", stderr=nowhere)
 
