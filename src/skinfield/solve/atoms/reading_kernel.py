@@ -262,7 +262,7 @@ def begin_comparison(fit: Fit, error: float, only: bool) -> None:
 
 @inner(_nrt=False)
 def begin_afresh(fit: Fit) -> None:
-    """Have atoms be sought from none, as those of NOW are gone or explain all by model error.
+    """Have atoms be sought from none, as those of NOW need a large model error to explain it all.
 
     Once that is large, few atoms explain any readings, such as two small ones a sole that presses
     ever more.
@@ -406,8 +406,7 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
         like = numbers[BEFORE] / FALL < energy < numbers[BEFORE] * RISE
         if not numbers[COMPARED] / FALL < energy < numbers[COMPARED] * RISE:
             numbers[COMPARED], numbers[IN_VAIN] = energy, 0.0
-            lifted = not explained and energy < numbers[BEFORE] / FALL
-            if lifted or numbers[MISFIT] > COARSE:
+            if numbers[MISFIT] > COARSE:
                 begin_afresh(fit)
             elif not (like and explained) or may_gain(fit):
                 begin_comparison(fit, numbers[MISFIT], False)
