@@ -206,6 +206,11 @@ class AutoData(Data):
         return self.contacts.fit
 
     @property
+    def settled(self) -> bool:
+        """See `ContactData.settled`."""
+        return self.contacts.settled
+
+    @property
     def noise(self) -> Floats:
         """See `ContactData.noise`."""
         return self.contacts.noise

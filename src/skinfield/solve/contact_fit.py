@@ -52,6 +52,11 @@ class ContactData(Data):
         return self.choice.fit
 
     @property
+    def settled(self) -> bool:
+        """Whether all sets of contacts were compared, or these explain all."""
+        return self.fit.settled
+
+    @property
     def noise(self) -> Floats:
         """Deviation (L,) of what is solved next, in the quantity's unit; may be written to.
 

@@ -206,6 +206,11 @@ class Data:
         """Whether the last answer could have been there earlier."""
         return True
 
+    @property
+    def settled(self) -> bool:
+        """Whether the search for the last answer came to its end."""
+        return True
+
     def reset(self) -> None:
         """Forget the reading before."""
 

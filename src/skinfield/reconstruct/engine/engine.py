@@ -311,6 +311,22 @@ class Engine:
         self._work.intake.take_flat(readings, valid, deviation)
         self._run(start)
 
+    def go_on(self, *, budget: float | None = None) -> bool:
+        """Search further in the last readings; returns whether any patch was left to search.
+
+        Those are patches that something touches, and whose search was not begun, or not ended, for
+        want of time. All others are missing from the `results`.
+
+        Parameters
+        ----------
+        budget : float, s, optional
+        """
+        work = self._work
+        if not work.waits():
+            return False
+        self._run(self._begin(budget))
+        return True
+
     @property
     def notes(self) -> dict[str, list[str]]:
         """What searches said of the readings of each patch, by its name, where it lasts."""
@@ -423,7 +439,7 @@ def measure(work: Clockwork) -> None:
             start = work.clock()
             group.answer_all(0, white)
             laps.append(work.since(start))
-        work.costs[group.index] = np.quantile(laps[1:], 0.9)
+        work.costs[group.index] = np.median(laps[1:])  # the machine may do something else meanwhile
 
 
 def rehearsed_cycle(work: Clockwork) -> dict[str, Floats]:

@@ -116,6 +116,8 @@ def search(work: Clockwork, patch: int, start: int, deadline: int) -> None:
         state.rung[patch] = rung
         state.gap[patch], state.iterations[patch] = solution.gap, solution.steps
         state.settled[patch] = (
-            solution.gap <= operator.problem.tolerance if is_field else solution.in_time
+            solution.gap <= operator.problem.tolerance
+            if is_field
+            else solution.in_time and data.settled
         )  # else nothing is found yet: the linear answer stays
     state.spent[patch] += work.since(start)

@@ -11,6 +11,7 @@ from skinfield.solve.atoms.reading_kernel import infer_evidence
 from skinfield.solve.atoms.reading_memory import (
     EXPLAINED,
     FIT,
+    GRADUAL,
     MISFIT,
     OFFSET,
     RESTING,
@@ -114,6 +115,11 @@ class FitData:
         """Whether all sets of atoms were compared, or as many as there may be steps for."""
         steps, most = self.memory.marks[STEPS], self.memory.marks[MOST]
         return bool(self.own.marks[STAGE] == RESTING or steps >= most > 0)
+
+    @property
+    def settled(self) -> bool:
+        """Whether more time for the same reading would come to nothing, or to little."""
+        return self.compared or bool(self.own.marks[GRADUAL])
 
     @property
     def in_strips(self) -> bool:
