@@ -6,6 +6,7 @@ import numpy as np
 
 from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
+from skinfield.solve.atoms.atom_readings import PARAMETERS, is_long, is_sheared
 from skinfield.solve.atoms.dictionary import StartMemory, Templates
 from skinfield.solve.atoms.fit_kernel import (
     ALONE,
@@ -20,7 +21,6 @@ from skinfield.solve.atoms.fit_kernel import (
     FitModel,
     factor,
     free_system,
-    is_long,
 )
 from skinfield.solve.atoms.posterior_kernel import (
     RARER,
@@ -28,6 +28,8 @@ from skinfield.solve.atoms.posterior_kernel import (
 from skinfield.solve.atoms.table import BALL, FLAT, RING
 
 LONGER = 5.0  # ln odds of a round contact over a drawn-out one
+PUSHED = 3.0  # ln odds of a contact that only presses over one that pushes along the skin, too
+FAINT_PUSH = 1e-3  # of the force, from which a push is sought
 LOG_FORCES = np.log(1e4)  # width of what forces may be, on a logarithmic scale
 LENGTHS = np.array([1.2, 3.0])  # half-lengths from which a drawn-out contact is sought, thicknesses
 ANGLES = 4
@@ -123,7 +125,7 @@ class SearchMemory(NamedTuple):
     Attributes
     ----------
     starts : StartMemory
-    seeds : (S, 6) array
+    seeds : (S, 8) array
         The last row is the place of a new atom.
     costs : (S,) array
         Of the seeds.
@@ -151,7 +153,7 @@ class SearchMemory(NamedTuple):
         seeds = max(MANY, starts) + 2
         return cls(
             StartMemory.of(bank, starts, taxels),
-            np.zeros((seeds, 6)),
+            np.zeros((seeds, PARAMETERS)),
             np.zeros(seeds),
             np.zeros(most, np.int64),
             np.zeros(most, np.int64),
@@ -217,6 +219,9 @@ def prior_evidence(model: FitModel, memory: FitMemory, which: int) -> float:
         if is_long(memory.atoms[which, n]):
             free += 2
             known -= 2 * np.log(priors.length_std) + np.log(2 * np.pi) + LONGER
+        if is_sheared(memory.atoms[which, n]):
+            free += 2
+            known -= 2 * np.log(priors.shear_std) + np.log(2 * np.pi) + PUSHED
     return float(known + 0.5 * free * np.log(2 * np.pi))
 
 
@@ -241,7 +246,7 @@ def evidence(model: FitModel, memory: FitMemory, which: int) -> float:
 def append(memory: FitMemory, which: int, atom: Floats, family: int) -> None:
     """Add an atom to a set; the cost becomes that of other atoms."""
     n = memory.counts[which]
-    for i in range(6):
+    for i in range(PARAMETERS):
         memory.atoms[which, n, i] = atom[i]
     memory.family[which, n] = family
     memory.counts[which] = n + 1
@@ -284,20 +289,22 @@ def few_best(search: SearchMemory, count: int) -> float:
 def middle(memory: FitMemory, search: SearchMemory, which: int, atom: Floats) -> None:
     """Write one atom with the force of the members, amid them."""
     total = 0.0
-    for i in range(6):
+    for i in range(PARAMETERS):
         atom[i] = 0.0
     for n in range(memory.counts[which]):
         if search.members[n]:
             force = np.exp(memory.atoms[which, n, 2])
             total += force
-            for i in range(6):
+            for i in range(PARAMETERS):
                 atom[i] += force * memory.atoms[which, n, i]
-    for i in range(6):
+    for i in range(PARAMETERS):
         atom[i] /= total
     atom[2] = np.log(total)
 
 
-LINE_BALL, LINE_FLAT, A_RING, SWAPPED, ROUND_BALL, ROUND_FLAT, PAIR, KINDS = 0, 1, 2, 3, 4, 5, 6, 7
+LINE_BALL, LINE_FLAT, A_RING, SHEARED, SWAPPED, ROUND_BALL, ROUND_FLAT, PAIR, PLAIN, KINDS = range(
+    10
+)
 NO_SHAPE = -1
 ENOUGH = 2  # of `GREW`: atoms were added, and no more are
 
@@ -334,6 +341,11 @@ def bodies(memory: FitMemory, search: SearchMemory) -> None:
 def applies(memory: FitMemory, index: int, kind: int, odd: bool) -> bool:
     """Whether a shape is an alternative to that of an atom of NOW."""
     long, ring = is_long(memory.atoms[NOW, index]), memory.family[NOW, index] == RING
+    sheared = is_sheared(memory.atoms[NOW, index])
+    if kind == SHEARED:
+        return bool(odd and not sheared and memory.room.shear.shape[1] > 0)
+    if kind == PLAIN:
+        return sheared
     if kind <= A_RING:
         return bool(odd and not long and not ring)
     if kind == SWAPPED:
@@ -403,7 +415,21 @@ def change_shape(memory: FitMemory, search: SearchMemory) -> None:
     while not search.members[n]:
         n += 1
     atom, family = memory.atoms[NOW, n], memory.family[NOW, n]
-    if kind == SWAPPED:
+    if kind == SHEARED:
+        amid, members = search.seeds[0], 0
+        middle(memory, search, NOW, amid)
+        for other in range(memory.counts[NOW]):
+            members += search.members[other]
+        if members > 1:
+            amid[4], amid[5] = 0.0, 0.0
+        if not is_sheared(amid):
+            amid[6] = FAINT_PUSH
+        append(memory, TRIAL, amid, family if members == 1 else BALL)
+    elif kind == PLAIN:
+        append(memory, TRIAL, atom, family)
+        its = memory.atoms[TRIAL, memory.counts[TRIAL] - 1]
+        its[6], its[7] = 0.0, 0.0
+    elif kind == SWAPPED:
         append(memory, TRIAL, atom, BALL + FLAT - family)
     elif kind == PAIR:
         for side in (0.7, -0.7):
@@ -446,7 +472,11 @@ def next_rival(memory: FitMemory, search: SearchMemory) -> bool:
         atom = memory.atoms[NOW, state[INDEX]]
         off = np.hypot(atom[0] - new[0], atom[1] - new[1]) - np.exp(atom[3]) - np.exp(new[3])
         plain = not is_long(atom) and memory.family[NOW, state[INDEX]] != RING
-        if plain and off < GAP and state[KIND] <= A_RING:
+        if off < GAP and plain and state[KIND] <= A_RING:
+            mark_one(memory, search, state[INDEX])
+            return True
+        if off < GAP and state[KIND] <= SHEARED and applies(memory, state[INDEX], SHEARED, True):
+            state[KIND] = SHEARED
             mark_one(memory, search, state[INDEX])
             return True
         state[INDEX], state[KIND] = state[INDEX] + 1, 0
@@ -470,7 +500,7 @@ def next_shape(memory: FitMemory, search: SearchMemory, rules: SearchRules) -> b
             mark_one(memory, search, index)
             if applies(memory, index, kind, odd) and (kind != PAIR or count < rules.most):
                 return True
-        elif kind <= A_RING:
+        elif kind <= (SHEARED if memory.room.shear.shape[1] else A_RING):
             bodies(memory, search)
             members = 0
             for n in range(count):

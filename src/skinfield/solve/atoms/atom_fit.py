@@ -22,7 +22,7 @@ class AtomFit:
         On which the contacts stand.
     rows : (N,) array of CONTACT
         By falling force.
-    atoms : (M, 6) array
+    atoms : (M, 8) array
         As they are drawn; see `rows_kernel.Drawing`.
     family : (M,) int array
     predicted : (L,) array, in the quantity's unit

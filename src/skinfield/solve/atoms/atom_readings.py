@@ -1,8 +1,10 @@
 """Readings of atoms, compiled, with their derivatives.
 
-An atom has six parameters: x and y of its middle, ln(force/N), ln(radius/thickness), and the two
-components of its half-length, all lengths in thicknesses. A half-length of 0 is a round contact;
-else the contact is drawn out along a segment, a mixture of round ones.
+An atom has eight parameters: x and y of its middle, ln(force/N), ln(radius/thickness), the two
+components of its half-length, and those of the force along the skin over the force into it; all
+lengths in thicknesses. A half-length of 0 is a round contact; else the contact is drawn out along a
+segment, a mixture of round ones. Where both components of the force along the skin are 0, it only
+presses.
 """
 
 from typing import Any, NamedTuple
@@ -13,7 +15,8 @@ from skinfield.compiled import inner, njit
 from skinfield.errors import Floats
 from skinfield.solve.atoms.table import Tables, cubic, cubic_slopes
 
-PARAMETERS = 6
+PARAMETERS = 8
+IN_GAP = 0.38  # of the strain at the axis: by so much less, in parts, a shear is read
 NODE, WEIGHT = np.polynomial.legendre.leggauss(7)  # along the segment
 WEIGHT = WEIGHT / 2.0
 
@@ -39,17 +42,21 @@ class TableRoom(NamedTuple):
     power : (2, terms) array
         Powers of the strain and their slopes.
     weight : (2, 4) array
+    shear : (2, distances) array
+        B-spline coefficients over distance of the shear's table, and of its slope by ln radius.
     """
 
     radial: Floats
     power: Floats
     weight: Floats
+    shear: Floats
 
     @classmethod
     def of(cls, tables: Tables) -> "TableRoom":
         """Room for some tables."""
         terms, distances = tables.coefficients.shape[2:]
-        return cls(np.zeros((3, distances)), np.zeros((2, terms)), np.zeros((2, 4)))
+        shear = np.zeros((2, tables.shear.shape[2]))
+        return cls(np.zeros((3, distances)), np.zeros((2, terms)), np.zeros((2, 4)), shear)
 
 
 @inner(_nrt=False)
@@ -77,6 +84,58 @@ def _radial(grid: Floats, place: float, log_step: float, nodes: int, room: "Tabl
             values[j] += now * value
             by_u[j] += slope * value
             by_radius[j] += now * (d0 * a[j] + d1 * b[j] + d2 * c[j] + d3 * d[j])
+
+
+@inner(forceinline=True, _nrt=False)
+def is_long(atom: Floats) -> bool:
+    """Whether an atom is drawn out: else its half-length stays 0."""
+    return bool(atom[4] != 0.0 or atom[5] != 0.0)
+
+
+@inner(forceinline=True, _nrt=False)
+def is_sheared(atom: Floats) -> bool:
+    """Whether an atom pushes along the skin: else it stays without."""
+    return bool(atom[6] != 0.0 or atom[7] != 0.0)
+
+
+@inner(forceinline=True, _nrt=False)
+def free_of(atom: Floats) -> int:
+    """How many of an atom's parameters move."""
+    return 4 + (2 if is_long(atom) else 0) + (2 if is_sheared(atom) else 0)
+
+
+@inner(forceinline=True, _nrt=False)
+def parameter_of(atom: Floats, k: int) -> int:
+    """The k-th of an atom's parameters that move."""
+    return k if k < 4 or is_long(atom) else k + 2
+
+
+@inner(_nrt=False)
+def _sheared_radial(
+    grid: Floats, place: float, log_step: float, nodes: int, room: "TableRoom"
+) -> None:
+    """B-spline coefficients over distance of a shear below an atom of one radius; see `_radial`."""
+    out, weight, i = room.shear, room.weight, int(place)
+    for j in range(nodes):
+        value, slope = 0.0, 0.0
+        for k in range(4):
+            value += weight[0, k] * grid[i - 1 + k, j]
+            slope += weight[1, k] * grid[i - 1 + k, j]
+        out[0, j], out[1, j] = value, slope / log_step
+
+
+@inner(_nrt=False)
+def _look_up_shear(radial: Floats, distance: float, last: int) -> tuple[float, float, float]:
+    """Value, slope by distance in nodes, and slope by ln radius, at a distance in nodes."""
+    j = int(distance)
+    first, second, third = abs(j - 1), min(j + 1, last), min(j + 2, last)
+    w0, w1, w2, w3 = cubic(distance - j)
+    d0, d1, d2, d3 = cubic_slopes(distance - j)
+    c0, c1, c2, c3 = radial[0, first], radial[0, j], radial[0, second], radial[0, third]
+    value = w0 * c0 + w1 * c1 + w2 * c2 + w3 * c3
+    slope = d0 * c0 + d1 * c1 + d2 * c2 + d3 * c3
+    c0, c1, c2, c3 = radial[1, first], radial[1, j], radial[1, second], radial[1, third]
+    return value, slope, w0 * c0 + w1 * c1 + w2 * c2 + w3 * c3
 
 
 @inner(_nrt=False)
@@ -132,7 +191,7 @@ def add_atom(
 ) -> tuple[int, int]:
     """Add the readings of the n-th atom at the listed taxels to `out` (L,).
 
-    Its derivatives at these are written to rows 6 n to 6 n + 5 of `jacobian`, one per parameter.
+    Its derivatives at these are written to rows 8 n to 8 n + 7 of `jacobian`, one per parameter.
     Returns the first of the listed taxels that reads it, and the one after the last.
     """
     x, y, east, north = atom[0], atom[1], atom[4], atom[5]
@@ -147,9 +206,16 @@ def add_atom(
     stretch = thinning / half / half if points > 1 else 0.0  # of u, by the half-length
     nodes, square, deeper = 1.0 / tables.distance_step, reach * reach, u / (1.0 - u)
     farthest, first, after = (last - 2) * tables.distance_step, len(near), 0
-    row = jacobian[6 * n : 6 * n + PARAMETERS, : len(near)]
+    row, sheared = (
+        jacobian[PARAMETERS * n : PARAMETERS * n + PARAMETERS, : len(near)],
+        is_sheared(atom),
+    )
     for i in range(PARAMETERS):
         row[i] = 0.0
+    push = np.exp(atom[2]) * (1.0 - IN_GAP * u)  # of what a shear is read as
+    fall, tx, ty = np.exp(atom[2]) * IN_GAP * u, atom[6], atom[7]
+    if sheared:
+        _sheared_radial(tables.shear[family], place, tables.log_step, last + 1, room)
     for k in range(len(near)):
         taxel = near[k]
         away_x, away_y = taxels[taxel, 0] - x, taxels[taxel, 1] - y
@@ -175,6 +241,23 @@ def add_atom(
             if points > 1:
                 row[4, k] -= slope * rx * node + by_u * stretch * east
                 row[5, k] -= slope * ry * node + by_u * stretch * north
+            if sheared:
+                weight = 1.0 if points == 1 else WEIGHT[q]
+                value, slope, by_radius = _look_up_shear(room.shear, r * nodes, last)
+                along_it = weight * (tx * rx + ty * ry)
+                steep = along_it * slope * nodes / max(r, 1e-9)
+                by_x, by_y = weight * tx * value + steep * rx, weight * ty * value + steep * ry
+                reading = along_it * value
+                out[taxel] += push * reading
+                row[0, k] -= push * by_x
+                row[1, k] -= push * by_y
+                row[2, k] += (push - fall) * reading
+                row[3, k] += push * along_it * by_radius - fall * log_slope * reading
+                if points > 1:
+                    row[4, k] -= push * by_x * node - fall * stretch * east * reading
+                    row[5, k] -= push * by_y * node - fall * stretch * north * reading
+                row[6, k] += push * weight * rx * value
+                row[7, k] += push * weight * ry * value
     return first, after
 
 
@@ -182,13 +265,14 @@ def add_atom(
 def predict(
     atoms: Floats, family: Any, taxels: Floats, tables: Tables, out: Floats, jacobian: Floats
 ) -> None:
-    """Write readings (L,) of atoms (N, 6) and derivatives (N, 6, L)."""
+    """Write readings (L,) of atoms (N, 8) and derivatives (N, 8, L)."""
     out[:] = 0.0
     rows, near = jacobian.reshape(-1, len(taxels)), np.arange(len(taxels))
     room = TableRoom(
         np.empty((3, tables.coefficients.shape[3])),
         np.empty((2, tables.coefficients.shape[2])),
         np.empty((2, 4)),
+        np.empty((2, tables.shear.shape[2])),
     )
     for n in range(len(atoms)):
         add_atom(n, atoms[n], family[n], taxels, near, tables, room, out, rows)

@@ -15,6 +15,7 @@ from skinfield.solve.atoms.alternatives_kernel import (
     mark_one,
     take_left,
 )
+from skinfield.solve.atoms.atom_readings import PARAMETERS
 from skinfield.solve.atoms.fit_kernel import (
     LATE,
     LISTING,
@@ -87,7 +88,7 @@ def set_aside(fit: Fit) -> None:
     own.marks[OTHERS] = memory.counts[NOW]
     for n in range(memory.counts[NOW]):
         own.family[n] = memory.family[NOW, n]
-        for i in range(6):
+        for i in range(PARAMETERS):
             own.atoms[n, i] = memory.atoms[NOW, n, i]
     for k in range(4):
         own.numbers[OTHER_SCALE + k] = own.numbers[NUMBERS[k]]
@@ -103,7 +104,7 @@ def exchange(fit: Fit) -> None:
     count = max(own.marks[OTHERS], memory.counts[NOW])
     for n in range(count):
         memory.family[NOW, n], own.family[n] = own.family[n], memory.family[NOW, n]
-        for i in range(6):
+        for i in range(PARAMETERS):
             atom = memory.atoms[NOW, n, i]
             memory.atoms[NOW, n, i] = own.atoms[n, i]
             own.atoms[n, i] = atom

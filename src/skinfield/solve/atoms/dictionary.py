@@ -79,7 +79,7 @@ class Templates(NamedTuple):
         Of norm 1 over the taxels of the block.
     norms : (T,) array
         Before that, per newton.
-    atoms : (T, 6) array
+    atoms : (T, 8) array
         Parameters of each, with the force at which it was made.
     noise : (L,) array, in the quantity's unit
         Deviations of the taxels, by which they are whitened.
@@ -107,7 +107,7 @@ class StartMemory(NamedTuple):
     single : (1, L) float32 array
     first : (1, F) float32 array
         Scores of what is scored first.
-    starts : (most, 6) array
+    starts : (most, 8) array
         What was found.
     """
 
@@ -277,7 +277,7 @@ def _first(blocks: list[tuple[Floats, Ints, Floats, Floats]], taxels: int) -> Fi
 
 
 def _is_few(atoms: Floats) -> NDArray[np.bool_]:
-    """Which of a block's templates (T, 6) are scored first: at each second place each way."""
+    """Which of a block's templates (T, 8) are scored first: at each second place each way."""
     lowest = atoms[:, :2].min(axis=0, initial=np.inf)
     place = np.rint((atoms[:, :2] - lowest) / SPACING).astype(int)
     few = (place % 2 == 1).all(axis=1) & np.isclose(atoms[:, 3], np.log(FIRST))
@@ -285,7 +285,7 @@ def _is_few(atoms: Floats) -> NDArray[np.bool_]:
 
 
 def _block(model: FitModel, white: Floats, places: Floats) -> tuple[Floats, Floats, Floats]:
-    """Atoms (T, 6) at some places, what they are read as (T, L), whitened, and how well per N."""
+    """Atoms (T, 8) at some places, what they are read as (T, L), whitened, and how well per N."""
     tables = model.tables
     atoms = np.zeros((len(RADII) * len(places), PARAMETERS))
     atoms[:, :2] = np.tile(places, (len(RADII), 1))

@@ -79,8 +79,11 @@ class FitData:
     @property
     def parameters(self) -> int:
         """Numbers that were fitted."""
-        long = np.count_nonzero(self.memory.atoms[NOW, : self.count, 4:].any(axis=1))
-        return 4 * self.count + 2 * int(long)
+        atoms = self.memory.atoms[NOW, : self.count]
+        more = np.count_nonzero(atoms[:, 4:6].any(axis=1)) + np.count_nonzero(
+            atoms[:, 6:].any(axis=1)
+        )
+        return 4 * self.count + 2 * int(more)
 
     @property
     def misfit(self) -> float:

@@ -12,7 +12,15 @@ import numpy as np
 
 from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
-from skinfield.solve.atoms.atom_readings import PARAMETERS, TableRoom, add_atom, along
+from skinfield.solve.atoms.atom_readings import (
+    PARAMETERS,
+    TableRoom,
+    add_atom,
+    along,
+    free_of,
+    is_sheared,
+    parameter_of,
+)
 from skinfield.solve.atoms.table import Tables
 from skinfield.solve.clock import now_ns
 
@@ -21,7 +29,8 @@ class Priors(NamedTuple):
     """What is known of contacts before any reading; lengths in thicknesses.
 
     `ball_log` and `ball_std` are of ln(radius of curvature/m), the others of ln(radius/thickness);
-    `length_std` is of each component of the half-length, `force_*` of ln(force/N).
+    `length_std` is of each component of the half-length, `shear_std` of each of the force along the
+    skin over that into it.
     """
 
     ball_log: float
@@ -31,6 +40,7 @@ class Priors(NamedTuple):
     ring_log: float
     ring_std: float
     length_std: float
+    shear_std: float
 
 
 class FitModel(NamedTuple):
@@ -72,25 +82,25 @@ class FitMemory(NamedTuple):
     taxels : (6, L) array
         Readings, one over their deviations, what is left of readings, what is scored; and, while
         the model error is inferred, deviations without it, and weights that are tried.
-    atoms : (sets, M, 6) array
+    atoms : (sets, M, 8) array
     family : (sets, M) int array
     counts : (sets,) int array
     costs : (sets,) array
         Half the whitened squares of residuals and priors.
     predicted : (sets, L) array
-    gradient : (sets, 6 M) array
-    hessian : (sets, 36 M M) array
-        Of N atoms the first 36 N N numbers, (6 N, 6 N) row by row.
-    jacobian : (6 M, L) array
+    gradient : (sets, 8 M) array
+    hessian : (sets, 64 M M) array
+        Of N atoms the first 64 N N numbers, (8 N, 8 N) row by row.
+    jacobian : (8 M, L) array
         Of the taxels in `near`, one row per parameter.
     span : (M, 2) int array
         First of these that reads each atom, and the one after the last.
     listed : (4, L) array
         Of these, weights; and room.
-    free : (6 M,) int array
+    free : (8 M,) int array
         Parameters that move.
-    steps : (3, 6 M) array
-    system : (36 M M,) array
+    steps : (3, 8 M) array
+    system : (64 M M,) array
     near : (L,) int array
         Taxels that some atom may be read by.
     around : (M, 3) array
@@ -165,12 +175,6 @@ def reach_of(atom: Floats, tables: Tables) -> float:
     return float(np.exp(atom[3]) + np.hypot(atom[4], atom[5]) + tables.pad_radius + tables.sight)
 
 
-@inner(forceinline=True, _nrt=False)
-def is_long(atom: Floats) -> bool:
-    """Whether an atom is drawn out: else its half-length stays 0."""
-    return bool(atom[4] != 0.0 or atom[5] != 0.0)
-
-
 @inner(_nrt=False)
 def gather(model: FitModel, memory: FitMemory, which: int, row: int) -> None:
     """List the taxels near a set of atoms; what the others add to the cost of reading nothing."""
@@ -216,7 +220,7 @@ def add_prior(
     n: int, atom: Floats, family: int, model: FitModel, gradient: Floats, hessian: Floats, size: int
 ) -> float:
     """Cost of the n-th atom's prior; adds to the gradient (size,) and the Hessian (size size,)."""
-    tables, priors, first = model.tables, model.priors, 6 * n
+    tables, priors, first = model.tables, model.priors, PARAMETERS * n
     if family == 0:
         place = (atom[3] - tables.first_log) / tables.log_step
         value, slope = along(tables.curvature, place)
@@ -242,6 +246,12 @@ def add_prior(
         gradient[first + k] += atom[k] * weight
         hessian[(first + k) * size + first + k] += weight
         cost += 0.5 * atom[k] * atom[k] * weight
+    if is_sheared(atom):
+        weight = 1.0 / (priors.shear_std * priors.shear_std)
+        for k in range(6, 8):
+            gradient[first + k] += atom[k] * weight
+            hessian[(first + k) * size + first + k] += weight
+            cost += 0.5 * atom[k] * atom[k] * weight
     return float(cost)
 
 
@@ -281,29 +291,31 @@ def take_weighted(one: Floats, weight: Floats, out: Floats) -> float:
 def take_squares(memory: FitMemory, which: int, matrix: Floats, sums: Floats) -> None:
     """Write J' W J of a set, its lower triangle, with the weights of the listed taxels.
 
-    J are the slopes by all parameters of what the taxels read, and `sums` (6 N,) the 1' W J.
+    J are the slopes by all parameters of what the taxels read, and `sums` (8 N,) the 1' W J.
     """
     count, jacobian, span = memory.counts[which], memory.jacobian, memory.span
-    size = 6 * count
+    size = PARAMETERS * count
     for i in range(size * size):
         matrix[i] = 0.0
     for n in range(count):
         first, after = span[n, 0], max(span[n, 1], span[n, 0])
         weight, weighted = memory.listed[0, first:after], memory.listed[3, first:after]
-        for i in range(6 * n, 6 * n + 6):
+        for i in range(PARAMETERS * n, PARAMETERS * n + PARAMETERS):
             sums[i] = 0.0
-        for i in range(6 * n, 6 * n + (6 if is_long(memory.atoms[which, n]) else 4)):
+        for each in range(free_of(memory.atoms[which, n])):
+            i = PARAMETERS * n + parameter_of(memory.atoms[which, n], each)
             sums[i] = take_weighted(jacobian[i, first:after], weight, weighted)
             for m in range(n + 1):
                 low, high = max(first, span[m, 0]), min(after, span[m, 1])
                 if low >= high:
                     continue
                 its = memory.listed[3, low:high]
-                at = i * size + 6 * m
-                four_products(jacobian[6 * m : 6 * m + 4, low:high], its, matrix[at : at + 4])
-                if is_long(memory.atoms[which, m]):
-                    for k in range(4, 6):
-                        matrix[at + k] = product(jacobian[6 * m + k, low:high], its)
+                column = PARAMETERS * m
+                at = i * size + column
+                four_products(jacobian[column : column + 4, low:high], its, matrix[at : at + 4])
+                for other in range(4, free_of(memory.atoms[which, m])):
+                    k = parameter_of(memory.atoms[which, m], other)
+                    matrix[at + k] = product(jacobian[column + k, low:high], its)
 
 
 @inner(_nrt=False)
@@ -330,7 +342,7 @@ def take_slopes(model: FitModel, memory: FitMemory, which: int) -> None:
 def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
     """Cost of a set of atoms for a row of readings; its gradient and Hessian are written."""
     count = memory.counts[which]
-    size, listed, shared = 6 * count, memory.listed, memory.sums[SHARED]
+    size, listed, shared = PARAMETERS * count, memory.listed, memory.sums[SHARED]
     gradient, hessian, sums = memory.gradient[which], memory.hessian[which], memory.steps[2]
     readings, white, predicted = memory.taxels[row], memory.taxels[WHITE], memory.predicted[which]
     take_slopes(model, memory, which)
@@ -346,7 +358,10 @@ def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
     for n in range(count):
         first, after = memory.span[n, 0], max(memory.span[n, 1], memory.span[n, 0])
         weighted = listed[1, first:after]
-        for i in range(6 * n, 6 * n + 6):
+        for i in range(PARAMETERS * n, PARAMETERS * n + PARAMETERS):
+            gradient[i] = 0.0
+        for each in range(free_of(memory.atoms[which, n])):
+            i = PARAMETERS * n + parameter_of(memory.atoms[which, n], each)
             slope = product(memory.jacobian[i, first:after], weighted)
             gradient[i] = shared * sums[i] * total - slope
             for j in range(i + 1):
@@ -361,6 +376,7 @@ def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
 
 LOWEST_LOG, HIGHEST_LOG = np.log(0.18), np.log(7.0)  # of radius/thickness
 DEEPEST, ROUND = 0.93, 1e-6  # strain of the gap at the axis; half-length of what is round
+STEEPEST = 1.5  # force along the skin over that into it
 RISE, FALL = 4.0, 0.2  # of the damping, after a step that failed, and at least where one did not
 FIRST_DAMPING, CAREFUL = 1e-3, 0.03  # and at least after a step that failed
 FORESEEN = 0.3  # of the gain of the last step: less is not worth one
@@ -411,6 +427,12 @@ def hold(model: FitModel, atoms: Floats, family: Ints, count: int) -> None:
             atoms[n, axis] = min(max(atoms[n, axis], places[0, axis]), places[1, axis])
         atoms[n, 3] = min(max(atoms[n, 3], LOWEST_LOG), HIGHEST_LOG)
         atoms[n, 2] = min(max(atoms[n, 2], -20.0), 12.0)
+        ratio = np.hypot(atoms[n, 6], atoms[n, 7])
+        if ratio > STEEPEST:
+            atoms[n, 6], atoms[n, 7] = (
+                atoms[n, 6] * STEEPEST / ratio,
+                atoms[n, 7] * STEEPEST / ratio,
+            )
         if tables.strain.shape[0]:
             place = (atoms[n, 3] - tables.first_log) / tables.log_step
             scale = along(tables.strain[family[n]], place)[0]
@@ -422,18 +444,18 @@ def hold(model: FitModel, atoms: Floats, family: Ints, count: int) -> None:
 def free_system(memory: FitMemory, which: int, hessian: Floats, held: int, damping: float) -> int:
     """Write a damped Hessian, of what moves, into `system`, its lower triangle; of what size.
 
-    Of every atom the first `held` parameters do not move, nor the half-length of round ones; `free`
-    lists the others.
+    Of every atom the first `held` parameters do not move, nor the half-length of round ones,
+    nor the shear of those without; `free` lists the others.
     """
     size, count, free = 0, memory.counts[which], memory.free
     system = memory.system
     for n in range(count):
-        for k in range(held, 6 if is_long(memory.atoms[which, n]) else 4):
-            free[size] = 6 * n + k
+        for k in range(held, free_of(memory.atoms[which, n])):
+            free[size] = PARAMETERS * n + parameter_of(memory.atoms[which, n], k)
             size += 1
     for i in range(size):
         for j in range(i + 1):
-            system[i * size + j] = hessian[free[i] * 6 * count + free[j]]
+            system[i * size + j] = hessian[free[i] * PARAMETERS * count + free[j]]
         system[i * size + i] += damping * system[i * size + i] + 1e-9
     return size
 
@@ -448,7 +470,7 @@ def damped_step(memory: FitMemory, which: int, held: int, damping: float) -> boo
     if not factor(memory.system, size):
         return False
     solve_factored(memory.system, size, right)
-    for i in range(6 * memory.counts[which]):
+    for i in range(PARAMETERS * memory.counts[which]):
         step[i] = 0.0
     for i in range(size):
         step[memory.free[i]] = right[i]
@@ -459,11 +481,11 @@ def damped_step(memory: FitMemory, which: int, held: int, damping: float) -> boo
 def copy_set(memory: FitMemory, source: int, target: int) -> None:
     """Have a set become another one, with all that is known of it."""
     count = memory.counts[source]
-    size = 6 * count
+    size = PARAMETERS * count
     memory.counts[target], memory.costs[target] = count, memory.costs[source]
     for n in range(count):
         memory.family[target, n] = memory.family[source, n]
-        for i in range(6):
+        for i in range(PARAMETERS):
             memory.atoms[target, n, i] = memory.atoms[source, n, i]
     for taxel in range(memory.predicted.shape[1]):
         memory.predicted[target, taxel] = memory.predicted[source, taxel]
@@ -551,7 +573,7 @@ def descend(
     deadline : int, ns
     """
     count, step = memory.counts[which], memory.steps[0]
-    size, atoms, family = 6 * count, memory.atoms[which], memory.family[which]
+    size, atoms, family = PARAMETERS * count, memory.atoms[which], memory.family[which]
     hold(model, atoms, family, count)
     gather(model, memory, which, row)
     memory.costs[which] = evaluate(model, memory, which, row)
@@ -581,8 +603,8 @@ def descend(
         if expected < FORESEEN * tolerance and damping <= FIRST_DAMPING:
             break
         for n in range(count):
-            for i in range(6):
-                memory.atoms[STEP, n, i] = atoms[n, i] + share * step[6 * n + i]
+            for i in range(PARAMETERS):
+                memory.atoms[STEP, n, i] = atoms[n, i] + share * step[PARAMETERS * n + i]
         hold(model, memory.atoms[STEP], family, count)
         memory.marks[STEPS] += 1
         if roamed(model, memory, STEP):

@@ -50,6 +50,7 @@ CURVATURE_STD = 0.8  # of the logarithm of a ball's radius of curvature, before 
 FLAT_RADIUS, FLAT_STD = 3e-3, 0.7  # m: middle of the prior of a flat end, and of its logarithm
 RING_RADIUS, RING_STD = 4e-3, 0.5  # m, and of its logarithm
 LENGTH_STD = 4e-3  # m: of each component of the half-length of a line
+SHEAR_STD = 0.35  # of each component of the force along the skin over that into it
 FIRST = (6.0, 8.0, 60.0)  # standard deviations: touches by which all is loaded, faint and clear
 
 
@@ -83,6 +84,7 @@ class ContactFitter:
             float(np.log(RING_RADIUS / thickness)),
             RING_STD,
             LENGTH_STD / thickness,
+            SHEAR_STD,
         )
         low, high = taxels.min(axis=0) - MARGIN, taxels.max(axis=0) + MARGIN
         self.noise = np.array(model.noise_std, dtype=np.float64)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from skinfield.compiled import inner
 from skinfield.errors import Floats
 from skinfield.solve.atoms.alternatives_kernel import prior_evidence
+from skinfield.solve.atoms.atom_readings import PARAMETERS, free_of
 from skinfield.solve.atoms.fit_kernel import (
     DEVIATION,
     FAST,
@@ -28,7 +29,6 @@ from skinfield.solve.atoms.fit_kernel import (
     factor,
     free_system,
     gather,
-    is_long,
     take_squares,
 )
 from skinfield.solve.atoms.posterior_kernel import KNOWN, STALE, UNKNOWN
@@ -101,7 +101,7 @@ def evidence_of_errors(
     out : (N,) array
     """
     count, readings, noise = memory.counts[NOW], memory.taxels[READINGS], memory.taxels[DEVIATION]
-    size, predicted, weight = 6 * count, memory.predicted[NOW], memory.taxels[TRIED_WEIGHT]
+    size, predicted, weight = PARAMETERS * count, memory.predicted[NOW], memory.taxels[TRIED_WEIGHT]
     sums, around, aside = memory.steps[2], memory.listed[1], memory.listed[2]
     system = memory.hessian[STEP]
     known = 0.0
@@ -262,10 +262,10 @@ def take_offset(fit: Fit) -> None:
 
 @inner(_nrt=False)
 def parameters_of(memory: FitMemory) -> int:
-    """Numbers that were fitted: four of each atom, six of a drawn-out one."""
-    number = 4 * memory.counts[NOW]
+    """Numbers that were fitted: four of each atom, more of a drawn-out one, or one that pushes."""
+    number = 0
     for n in range(memory.counts[NOW]):
-        number += 2 if is_long(memory.atoms[NOW, n]) else 0
+        number += free_of(memory.atoms[NOW, n])
     return int(number)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 
 from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
+from skinfield.solve.atoms.atom_readings import PARAMETERS, free_of, parameter_of
 from skinfield.solve.atoms.fit_kernel import (
     ALONE,
     NOW,
@@ -19,7 +20,6 @@ from skinfield.solve.atoms.fit_kernel import (
     FitModel,
     factor,
     free_system,
-    is_long,
     solve_factored,
 )
 
@@ -54,14 +54,14 @@ class PosteriorMemory(NamedTuple):
     ----------
     known : (M,) int array
         UNKNOWN, ROUGH, KNOWN or STALE; and the family of the atom then, in `family` (M,).
-    atoms, offsets : (M, 6) arrays
+    atoms, offsets : (M, 8) arrays
         Where it was then, and from there to the posterior's mean.
-    covariance : (M, 6, 6) array
-    local : (6, 6) array
+    covariance : (M, 8, 8) array
+    local : (8, 8) array
         By the curvature of the cost alone, of the atom that is looked at.
-    walked : (W, 6) array
+    walked : (W, 8) array
         Atoms at the places of a walk; `families` (W,) and `weights` (W,), at first their logarithm.
-    inner : (W, 6, 6) array
+    inner : (W, 8, 8) array
         Covariance of the parameters beside the place at each.
     queue : (SIDE SIDE, 3) int array
         Places of the lattice, and the atom, walked or a start, that they begin from.
@@ -94,14 +94,14 @@ class PosteriorMemory(NamedTuple):
         return cls(
             np.zeros(most, np.int64),
             np.zeros(most, np.int64),
-            np.zeros((most, 6)),
-            np.zeros((most, 6)),
-            np.zeros((most, 6, 6)),
-            np.zeros((6, 6)),
-            np.zeros((places, 6)),
+            np.zeros((most, PARAMETERS)),
+            np.zeros((most, PARAMETERS)),
+            np.zeros((most, PARAMETERS, PARAMETERS)),
+            np.zeros((PARAMETERS, PARAMETERS)),
+            np.zeros((places, PARAMETERS)),
             np.zeros(places, np.int64),
             np.zeros(places),
-            np.zeros((places, 6, 6)),
+            np.zeros((places, PARAMETERS, PARAMETERS)),
             np.zeros((SIDE * SIDE, 3), np.int64),
             np.zeros((SIDE, SIDE), np.int64),
             np.zeros(8, np.int64),
@@ -111,33 +111,34 @@ class PosteriorMemory(NamedTuple):
 
 @inner(_nrt=False)
 def laplace(model: FitModel, memory: FitMemory, index: int, covariance: Floats) -> None:
-    """Write the covariance (6, 6) of an atom by the curvature of the cost, others moving along.
+    """Write the covariance (8, 8) of an atom by the curvature of the cost, others moving along.
 
     Places that no reading tells are even over the patch: their variance is its width squared / 12.
     """
     size = free_system(memory, NOW, memory.hessian[NOW], 0, ROUND_OFF[0])
     system, free, right, own = memory.system, memory.free, memory.steps[1], size
     for i in range(size):
-        axis = free[i] % 6
+        axis = free[i] % PARAMETERS
         if axis < 2:
             system[i * size + i] += 12.0 / (model.places[1, axis] - model.places[0, axis]) ** 2
-        own = min(own, i) if free[i] == 6 * index else own
-    for i in range(6):
-        for j in range(6):
+        own = min(own, i) if free[i] == PARAMETERS * index else own
+    for i in range(PARAMETERS):
+        for j in range(PARAMETERS):
             covariance[i, j] = 0.0
     if not factor(system, size):  # something moves no reading and has no prior
         for i in range(2):
             covariance[i, i] = (model.places[1, i] - model.places[0, i]) ** 2 / 12.0
         covariance[2, 2] = covariance[3, 3] = 1.0
         return
-    parameters = 6 if is_long(memory.atoms[NOW, index]) else 4
+    atom = memory.atoms[NOW, index]
+    parameters = free_of(atom)
     for column in range(parameters):
         for i in range(size):
             right[i] = 0.0
         right[own + column] = 1.0
         solve_factored(system, size, right)
         for i in range(parameters):
-            covariance[i, column] = right[own + i]
+            covariance[parameter_of(atom, i), parameter_of(atom, column)] = right[own + i]
 
 
 @inner(_nrt=False)
@@ -147,15 +148,17 @@ def _inverse(memory: FitMemory, post: PosteriorMemory, at: int) -> float:
     Returns half the logarithm of the determinant of its curvature; infinite if that is not
     positive.
     """
-    free = 4 if is_long(memory.atoms[ALONE, 0]) else 2
+    atom = memory.atoms[ALONE, 0]
+    free = free_of(atom) - 2
     hessian, small, out = memory.hessian[ALONE], post.small, post.inner[at]
     right = small[40:46]
     for i in range(free):
         for j in range(free):
-            small[i * free + j] = hessian[(i + 2) * 6 + j + 2]
+            at_j = parameter_of(atom, j + 2)
+            small[i * free + j] = hessian[parameter_of(atom, i + 2) * PARAMETERS + at_j]
         small[i * free + i] = small[i * free + i] * (1.0 + ROUND_OFF[0]) + ROUND_OFF[1]
-    for i in range(6):
-        for j in range(6):
+    for i in range(PARAMETERS):
+        for j in range(PARAMETERS):
             out[i, j] = 0.0
     if not factor(small, free):
         return np.inf
@@ -168,7 +171,7 @@ def _inverse(memory: FitMemory, post: PosteriorMemory, at: int) -> float:
         right[column] = 1.0
         solve_factored(small, free, right[:free])
         for i in range(free):
-            out[i + 2, column + 2] = right[i]
+            out[parameter_of(atom, i + 2), parameter_of(atom, column + 2)] = right[i]
     return half
 
 
@@ -200,7 +203,7 @@ def widest_deviation(post: PosteriorMemory, step: float) -> float:
 
 @inner(_nrt=False)
 def start_walk(post: PosteriorMemory, seeds: Floats, count: int, family: int) -> None:
-    """Begin a walk with a family: the queue holds the places of the first seeds (count, 6).
+    """Begin a walk with a family: the queue holds the places of the first seeds (count, 8).
 
     The first of them is where the lattice of places has its origin.
     """
@@ -240,7 +243,7 @@ def next_place(model: FitModel, memory: FitMemory, post: PosteriorMemory, seeds:
             continue
         begin = seeds[-1 - source] if source < 0 else post.walked[source]
         memory.counts[ALONE], memory.family[ALONE, 0] = 1, walk[FAMILY]
-        for k in range(6):
+        for k in range(PARAMETERS):
             atom[k] = begin[k]
         atom[0], atom[1] = x, y
         return True
@@ -255,7 +258,7 @@ def keep_place(memory: FitMemory, post: PosteriorMemory) -> None:
         return
     post.small[BEST_COST] = min(post.small[BEST_COST], cost)
     at, place = walk[WALKED], walk[CURRENT]
-    for k in range(6):
+    for k in range(PARAMETERS):
         post.walked[at, k] = memory.atoms[ALONE, 0, k]
     post.families[at] = walk[FAMILY]
     post.weights[at] = -cost - _inverse(memory, post, at) - RARER[walk[FAMILY]]
@@ -267,7 +270,7 @@ def keep_place(memory: FitMemory, post: PosteriorMemory) -> None:
 
 @inner(_nrt=False)
 def combine(post: PosteriorMemory, index: int, family: int, atom: Floats) -> None:
-    """Write mean and covariance of a walk from an atom (6,) on, if anything of it counts."""
+    """Write mean and covariance of a walk from an atom (8,) on, if anything of it counts."""
     highest, count = -np.inf, post.walk[WALKED]
     for at in range(count):
         highest = max(highest, post.weights[at])
@@ -280,27 +283,27 @@ def combine(post: PosteriorMemory, index: int, family: int, atom: Floats) -> Non
     covariance, offset, mean = (
         post.covariance[index],
         post.offsets[index],
-        post.small[MEAN : MEAN + 6],
+        post.small[MEAN : MEAN + PARAMETERS],
     )
-    for i in range(6):
+    for i in range(PARAMETERS):
         mean[i] = 0.0
         offset[i] = 0.0
-        for j in range(6):
+        for j in range(PARAMETERS):
             covariance[i, j] = 0.0
     for at in range(count):
         weight = post.weights[at] / total
         own = post.families[at] == family
         same += weight if own else 0.0
-        for i in range(6):
+        for i in range(PARAMETERS):
             mean[i] += weight * post.walked[at, i]
             offset[i] += weight * post.walked[at, i] if own else 0.0
     for at in range(count):
         weight = post.weights[at] / total
-        for i in range(6):
-            for j in range(6):
+        for i in range(PARAMETERS):
+            for j in range(PARAMETERS):
                 off = (post.walked[at, i] - mean[i]) * (post.walked[at, j] - mean[j])
                 covariance[i, j] += weight * (off + post.inner[at, i, j])
-    for i in range(6):  # of place and force whatever presses, else if it is of the same family
+    for i in range(PARAMETERS):  # place and force whatever presses, else of the same family
         value = mean[i]
         if i >= 3 and same > LEAST:
             value = offset[i] / same

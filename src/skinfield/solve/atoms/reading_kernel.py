@@ -22,6 +22,7 @@ from skinfield.solve.atoms.alternatives_kernel import (
     evidence,
     may_be_without,
 )
+from skinfield.solve.atoms.atom_readings import PARAMETERS, is_long
 from skinfield.solve.atoms.count_kernel import (
     exchange,
     set_aside,
@@ -44,7 +45,6 @@ from skinfield.solve.atoms.fit_kernel import (
     STEPS,
     WHITE,
     is_late,
-    is_long,
     is_short,
     nearly_slowest,
     take_pace,
@@ -232,9 +232,9 @@ def compare(fit: Fit, common: float, deadline: int) -> None:
 @inner(_nrt=False)
 def least_worth(fit: Fit) -> float:
     """About what an atom of NOW saves in cost, at least: by the curvature along its force."""
-    memory, size, least = fit.memory, 6 * fit.memory.counts[NOW], np.inf
+    memory, size, least = fit.memory, PARAMETERS * fit.memory.counts[NOW], np.inf
     for n in range(memory.counts[NOW]):
-        force = 6 * n + 2
+        force = PARAMETERS * n + 2
         least = min(least, 0.5 * memory.hessian[NOW, force * size + force])
     return least
 

@@ -7,6 +7,7 @@ import numpy as np
 from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
 from skinfield.solve.atoms.alternatives_kernel import SearchMemory
+from skinfield.solve.atoms.atom_readings import PARAMETERS
 from skinfield.solve.atoms.dictionary import FirstTemplates, Templates
 from skinfield.solve.atoms.fit_kernel import FitMemory, FitModel, Priors
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
@@ -142,7 +143,7 @@ class ReadingMemory(NamedTuple):
         Stated deviations, and those without the taxels that are left out, which have infinite ones.
     squares : (2, L) array
         Of what taxels around the atoms read, and of what is read beside them.
-    atoms : (M, 6) array
+    atoms : (M, 8) array
         Of another set, whose families are `family` (M,): the answer, while others are compared.
     """
 
@@ -167,7 +168,7 @@ class ReadingMemory(NamedTuple):
             noise.copy(),
             noise.copy(),
             np.zeros((2, len(noise))),
-            np.zeros((most, 6)),
+            np.zeros((most, PARAMETERS)),
             np.zeros(most, np.int64),
         )
         forget.py_func(made, model_error)  # type: ignore[attr-defined]
@@ -209,12 +210,20 @@ def forget(own: ReadingMemory, error: float) -> None:
 
 def smallest_fit() -> Fit:
     """Of no size: what kinds of arrays it has."""
-    tables = Tables(np.zeros((3, 1, 1, 1)), np.zeros((3, 1)), np.zeros(1), *np.zeros(5).tolist())
-    model = FitModel(np.zeros((1, 2)), tables, Priors(*np.zeros(7).tolist()), np.zeros((2, 2)))
+    tables = Tables(
+        np.zeros((3, 1, 1, 1)),
+        np.zeros((3, 1)),
+        np.zeros(1),
+        np.zeros((3, 1, 1)),
+        *np.zeros(5).tolist(),
+    )
+    model = FitModel(np.zeros((1, 2)), tables, Priors(*np.zeros(8).tolist()), np.zeros((2, 2)))
     whole, single = np.zeros(1, np.int64), np.zeros((1, 1), np.float32)
     number = whole.astype(np.int32)
     first = FirstTemplates(single, number, number, number, whole)
-    bank = Templates(whole[None], whole, first, single, np.zeros(1), np.zeros((1, 6)), np.zeros(1))
+    bank = Templates(
+        whole[None], whole, first, single, np.zeros(1), np.zeros((1, PARAMETERS)), np.zeros(1)
+    )
     return Fit(
         model,
         bank,

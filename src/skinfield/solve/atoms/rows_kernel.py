@@ -21,7 +21,8 @@ from skinfield.estimate.live_contacts_kernel import (
     state_deviations,
 )
 from skinfield.estimate.row_contacts import SHAPES
-from skinfield.solve.atoms.fit_kernel import NOW, FitMemory, is_long
+from skinfield.solve.atoms.atom_readings import PARAMETERS, is_long
+from skinfield.solve.atoms.fit_kernel import NOW, FitMemory
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.render_kernels import (
     TERMS,
@@ -57,11 +58,11 @@ class Drawing(NamedTuple):
 
     Attributes
     ----------
-    atoms : (W, 6) array
-        Of x m, y m, force N, radius m, half-length m and angle rad.
+    atoms : (W, 8) array
+        Of x m, y m, force N, radius m, half-length m, angle rad and forces along the skin, N.
     family : (W,) int array
         Balls and flat ends.
-    covariance : (W, 6, 6) array
+    covariance : (W, 8, 8) array
         Of each alone; of a ring, at its first small ball.
     owner : (W,) int array
         Number of the body of each.
@@ -72,7 +73,7 @@ class Drawing(NamedTuple):
     errors : (3,) array
         Deviations of place, thicknesses, and of the force's logarithm, as the mechanics are not
         sure; and what the model is wrong by, part of what taxels read.
-    by : (2, 6, 6) array
+    by : (2, 8, 8) array
         Room.
     maybe : (W,) int array
         How many contacts may be in the place of each, or of it and another; 0 where that is sure.
@@ -99,14 +100,14 @@ class Drawing(NamedTuple):
         """Room for so many atoms, and the small balls of rings."""
         room = most + PEARLS
         return cls(
-            np.zeros((room, 6)),
+            np.zeros((room, PARAMETERS)),
             np.zeros(room, np.int64),
-            np.zeros((room, 6, 6)),
+            np.zeros((room, PARAMETERS, PARAMETERS)),
             np.zeros(room, np.int64),
             np.zeros(room, np.int64),
             np.zeros((2, room)),
             np.zeros(3),
-            np.zeros((2, 6, 6)),
+            np.zeros((2, PARAMETERS, PARAMETERS)),
             np.zeros(room, np.int64),
             np.full(room, LONE, np.int64),
             np.zeros(1, np.int64),
@@ -143,17 +144,17 @@ unpack_grid = unpacking(GRID)
 
 @inner(_nrt=False)
 def transform(covariance: Floats, by: Floats, room: Floats, out: Floats) -> None:
-    """Write by covariance by^T, all (6, 6)."""
-    for i in range(6):
-        for j in range(6):
+    """Write by covariance by^T, all (8, 8)."""
+    for i in range(PARAMETERS):
+        for j in range(PARAMETERS):
             total = 0.0
-            for k in range(6):
+            for k in range(PARAMETERS):
                 total += by[i, k] * covariance[k, j]
             room[i, j] = total
-    for i in range(6):
-        for j in range(6):
+    for i in range(PARAMETERS):
+        for j in range(PARAMETERS):
             total = 0.0
-            for k in range(6):
+            for k in range(PARAMETERS):
                 total += room[i, k] * by[j, k]
             out[i, j] = total
 
@@ -173,9 +174,9 @@ def draw_atom(
     atom, mean = drawing.atoms[place], memory.atoms[NOW, index]
     long, ring = is_long(mean), memory.family[NOW, index] == RING
     by, room = drawing.by[0], drawing.by[1]
-    for i in range(6):
+    for i in range(PARAMETERS):
         atom[i] = mean[i] + (post.offsets[index, i] if at_mean else 0.0)
-        for j in range(6):
+        for j in range(PARAMETERS):
             by[i, j] = 0.0
     east, north = atom[4], atom[5]
     half, angle = np.hypot(east, north), np.arctan2(north, east)
@@ -183,13 +184,16 @@ def draw_atom(
     atom[2], atom[3] = np.exp(atom[2]), np.exp(atom[3]) * thickness
     atom[4], atom[5] = half * thickness, angle
     by[0, 0], by[1, 1], by[2, 2], by[3, 3] = thickness, thickness, atom[2], atom[3]
+    for k in range(6, 8):  # forces along the skin
+        by[k, 2], by[k, k] = atom[2] * atom[k], atom[2]
+        atom[k] *= atom[2]
     if half > 0.0:
         by[4, 4], by[4, 5] = thickness * np.cos(angle), thickness * np.sin(angle)
         by[5, 4], by[5, 5] = -np.sin(angle) / half, np.cos(angle) / half
     covariance = drawing.covariance[place]
     error, errors = ANNULAR if ring else LONG if long else ROUND, drawing.errors
-    for i in range(6):
-        for j in range(6):
+    for i in range(PARAMETERS):
+        for j in range(PARAMETERS):
             covariance[i, j] = post.covariance[index, i, j]
     drawing.maybe[place] = rival_of(memory, pairs, index)
     if drawing.maybe[place]:
@@ -254,17 +258,18 @@ def divide(drawing: Drawing, strips: Strips, strip: int, thickness: float, count
         return 0
     own, half = strips.middle[drawing.order[parent], 2], thickness * strips.half
     share = strips.middle[strip, 2] / (strips.middle[strip, 2] + own)
-    for i in range(6):
+    for i in range(PARAMETERS):
         drawing.atoms[count, i] = drawing.atoms[parent, i]
     drawing.atoms[count, 0], drawing.atoms[count, 1] = x, y
-    drawing.atoms[count, 2] = share * drawing.atoms[parent, 2]
-    drawing.atoms[parent, 2] *= 1.0 - share
+    for k in (2, 6, 7):
+        drawing.atoms[count, k] = share * drawing.atoms[parent, k]
+        drawing.atoms[parent, k] *= 1.0 - share
     drawing.atoms[count, 3] = min(drawing.atoms[parent, 3], half)
     drawing.atoms[count, 4], drawing.maybe[count], drawing.order[count] = 0.0, 0, strip
     drawing.family[count], drawing.owner[count] = drawing.family[parent], count
     drawing.sums[1, count] = 0.0
-    for i in range(6):
-        for j in range(6):
+    for i in range(PARAMETERS):
+        for j in range(PARAMETERS):
             known = drawing.covariance[parent, i, j]
             drawing.covariance[count, i, j] = known if i == j else 0.0
             for k in (i, j):
@@ -299,8 +304,8 @@ def join_strip(drawing: Drawing, strip: int, first: int, count: int) -> None:
     """Make the atoms from `first` to `count` one body with those of their strip before."""
     for place in range(first, count):
         drawing.order[place], drawing.sums[1, place] = strip, 0.0  # no ring
-        for i in range(6 if place > first else 0):
-            for j in range(6):
+        for i in range(PARAMETERS if place > first else 0):
+            for j in range(PARAMETERS):
                 drawing.covariance[place, i, j] = 0.0  # of all small balls, at the first
     for other in range(first):
         if drawing.order[other] == strip:
@@ -322,6 +327,7 @@ def draw_ring(
     draw_atom(memory, post, pairs, index, thickness, at_mean, drawing, first)
     x, y, force = drawing.atoms[first, 0], drawing.atoms[first, 1], drawing.atoms[first, 2]
     radius = drawing.sums[1, first] = drawing.atoms[first, 3]
+    shear_x, shear_y = drawing.atoms[first, 6], drawing.atoms[first, 7]
     number = min(max(int(np.ceil(2 * np.pi * radius / (SHARE * thickness))), FEWEST), MOST)
     number = min(number, len(drawing.atoms) - first)
     for pearl in range(number):
@@ -329,6 +335,7 @@ def draw_ring(
         atom = drawing.atoms[place]
         atom[0], atom[1] = x + radius * np.cos(turn), y + radius * np.sin(turn)
         atom[2], atom[3], atom[4], atom[5] = force / number, RIM * thickness, 0.0, 0.0
+        atom[6], atom[7] = shear_x / number, shear_y / number
         drawing.family[place], drawing.owner[place] = BALL, first
     return first + number
 
@@ -412,7 +419,7 @@ def write_covariance(drawing: Drawing, count: int, body: int, row: Any) -> None:
     Atoms are independent; the small balls of a ring move as one.
     """
     total, ring, variance, out = row["normal_force"], drawing.sums[1, body], 0.0, row["covariance"]
-    for number in range(6):
+    for number in range(PARAMETERS):
         out[number] = 0.0
     for n in range(body, body + 1 if ring > 0.0 else count):
         if drawing.owner[n] != body:

@@ -70,6 +70,7 @@ from skinfield.solve.atoms.alternatives_kernel import (
     take_left,
     worth,
 )
+from skinfield.solve.atoms.atom_readings import PARAMETERS, is_long
 from skinfield.solve.atoms.dictionary import Templates, find_starts
 from skinfield.solve.atoms.fit_kernel import (
     ALONE,
@@ -90,7 +91,6 @@ from skinfield.solve.atoms.fit_kernel import (
     copy_set,
     descend,
     is_late,
-    is_long,
     is_short,
     take_pace,
 )
@@ -145,7 +145,7 @@ def begin_walk(
     """Begin to explore what is open about an atom, by the row LEFT, which the others leave."""
     state, index = search.state, search.state[INDEX]
     own, family = memory.atoms[NOW, index], memory.family[NOW, index]
-    for i in range(6):
+    for i in range(PARAMETERS):
         search.seeds[0, i] = own[i]
     few = state[PLACES_LEFT] == FEW
     both, count = family != RING and not few, 1
@@ -154,7 +154,7 @@ def begin_walk(
         score_left(memory, noise, 0.0)
         more = find_starts(bank, search.starts, memory.taxels[SCORED], rules.starts, 0.0)
         for seed in range(more):
-            for i in range(6):
+            for i in range(PARAMETERS):
                 search.seeds[seed + 1, i] = search.starts.starts[seed, i]
         count += more
     state[COUNT] = count
@@ -218,7 +218,7 @@ def begin(
             after_growth(search)
             return NOTHING
         for seed in range(found):
-            for i in range(6):
+            for i in range(PARAMETERS):
                 search.seeds[seed, i] = search.starts.starts[seed, i]
         state[COUNT], state[SEED], state[OF], state[RIVAL] = found, 0, BALL, 0
         state[FOUND], state[TRIED], state[KIND], state[STAGE] = 0, 0, NO_SHAPE, SEEDS
@@ -236,7 +236,7 @@ def begin(
         chosen, last = best_seed(search, state[COUNT]), len(search.seeds) - 1
         copy_set(memory, NOW, TRIAL)
         append(memory, TRIAL, search.seeds[chosen], BALL)
-        for i in range(6):
+        for i in range(PARAMETERS):
             search.seeds[last, i] = search.seeds[chosen, i]
         return TRIAL
     elif stage == RIVALS:
@@ -300,7 +300,7 @@ def begin(
             return NOTHING
         memory.sums[SHARED] = search.known[1]
         combine(post, index, memory.family[NOW, index], search.seeds[0])
-        for i in range(6):
+        for i in range(PARAMETERS):
             post.atoms[index, i] = search.seeds[0, i]
         post.family[index], post.known[index] = memory.family[NOW, index], KNOWN
         state[STAGE] = BELIEVE
@@ -313,10 +313,10 @@ def curve(
 ) -> None:
     """Describe an atom by the curvature of the cost alone."""
     laplace(model, memory, index, post.local)
-    for i in range(6):
+    for i in range(PARAMETERS):
         post.atoms[index, i] = memory.atoms[NOW, index, i]
         post.offsets[index, i] = 0.0
-        for j in range(6):
+        for j in range(PARAMETERS):
             post.covariance[index, i, j] = post.local[i, j]
     post.family[index], post.known[index] = memory.family[NOW, index], known
 
@@ -367,7 +367,7 @@ def conclude(
     elif stage == SEEDS:
         seed, count = state[SEED] % state[COUNT], state[COUNT]
         search.costs[seed] = memory.costs[ALONE]
-        for i in range(6):
+        for i in range(PARAMETERS):
             search.seeds[seed, i] = memory.atoms[ALONE, 0, i]
         better = not state[FOUND] or memory.costs[ALONE] < memory.costs[BEST]
         if better and state[KIND] == NO_SHAPE and not memory.counts[NOW]:

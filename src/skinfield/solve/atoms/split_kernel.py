@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
 from skinfield.solve.atoms.alternatives_kernel import GAP, apart
+from skinfield.solve.atoms.atom_readings import PARAMETERS, free_of, parameter_of
 from skinfield.solve.atoms.dictionary import BLOCK, RADII, SPACING, Templates
 from skinfield.solve.atoms.fit_kernel import (
     LEFT,
@@ -23,7 +24,6 @@ from skinfield.solve.atoms.fit_kernel import (
     FitMemory,
     FitModel,
     factor,
-    is_long,
     solve_factored,
 )
 from skinfield.solve.atoms.posterior_kernel import laplace
@@ -58,12 +58,12 @@ class PairMemory(NamedTuple):
         Whitened, per newton.
     listed : (PLACES,) int array
         Templates.
-    columns : (8, L) float32 array
+    columns : (10, L) float32 array
         Whitened: what is to be explained, what an atom leaves over, and its derivatives.
     sums : (2, PLACES) array
         Of squares of the rows, and of their products with what is to be explained.
     gains : (PLACES, PLACES) float32 array
-    atoms : (2 PAIRS, 6) array
+    atoms : (2 PAIRS, 8) array
         The best pairs.
     spread : (3, 3) array
         Covariance of the middle of rivals and of the logarithm of their force.
@@ -90,10 +90,10 @@ class PairMemory(NamedTuple):
         return cls(
             np.zeros((PLACES, taxels), np.float32),
             np.zeros(PLACES, np.int64),
-            np.zeros((8, taxels), np.float32),
+            np.zeros((2 + PARAMETERS, taxels), np.float32),
             np.zeros((2, PLACES)),
             np.zeros((PLACES, PLACES), np.float32),
-            np.zeros((2 * PAIRS, 6)),
+            np.zeros((2 * PAIRS, PARAMETERS)),
             np.zeros((3, 3)),
             np.zeros((2, most, COLUMNS)),
             np.zeros(4, np.int64),
@@ -122,12 +122,15 @@ def list_templates(
     model of the atom and the template.
     """
     white, middle, most = memory.taxels[WHITE], memory.atoms[NOW, index], 0.0
-    near, size = memory.near[: memory.marks[NEAR]], 6 * memory.counts[NOW]
-    free, system, right = 6 if is_long(middle) else 4, memory.system, memory.steps[0]
-    first, count, columns = 6 * index, 0, pairs.columns
+    near, size = memory.near[: memory.marks[NEAR]], PARAMETERS * memory.counts[NOW]
+    free, system, right = free_of(middle), memory.system, memory.steps[0]
+    first, count, columns = PARAMETERS * index, 0, pairs.columns
     for i in range(free):
         for j in range(free):
-            system[i * free + j] = memory.hessian[NOW, (first + i) * size + first + j]
+            at_j = first + parameter_of(middle, j)
+            system[i * free + j] = memory.hessian[
+                NOW, (first + parameter_of(middle, i)) * size + at_j
+            ]
         system[i * free + i] += 1e-9
     known = factor(system, free)
     for taxel in range(len(white)):
@@ -138,7 +141,7 @@ def list_templates(
             columns[2 + i, taxel] = np.float32(0.0)
     for k in range(memory.span[index, 0], memory.span[index, 1]):
         for i in range(free):
-            slope = memory.jacobian[first + i, k] * white[near[k]]
+            slope = memory.jacobian[first + parameter_of(middle, i), k] * white[near[k]]
             columns[2 + i, near[k]] = np.float32(slope)
     for block in range(len(bank.firsts) - 1):
         corner = bank.atoms[bank.firsts[block]]
@@ -228,7 +231,7 @@ def choose_pairs(bank: Templates, pairs: PairMemory) -> None:
             here, there = (one, other) if side == 0 else (other, one)
             force = squares[there] * products[here] - both * products[there]
             atom, chosen = pairs.atoms[2 * found + side], bank.atoms[pairs.listed[here]]
-            for k in range(6):
+            for k in range(PARAMETERS):
                 atom[k] = chosen[k]
             atom[2], atom[3] = np.log(force / determinant), 0.0
         first, second = pairs.atoms[2 * found], pairs.atoms[2 * found + 1]
@@ -253,7 +256,7 @@ def are_known(model: FitModel, memory: FitMemory, local: Floats) -> bool:
     """Whether the forces of all atoms of NOW are known well enough to compare their evidence.
 
     Where readings do not tell two atoms from each other, or do not see one of them, the curvature
-    of the cost is no width of the posterior. `local` is a (6, 6) matrix to work in.
+    of the cost is no width of the posterior. `local` is a (8, 8) matrix to work in.
     """
     for index in range(memory.counts[NOW]):
         laplace(model, memory, index, local)
@@ -294,7 +297,7 @@ def take_spread(
     size, right, first, second = 0, memory.steps[0], 0, 0
     for n in range(memory.counts[NOW]):
         first, second = size if n == one else first, size if n == other else second
-        size += 6 if is_long(memory.atoms[NOW, n]) else 4
+        size += free_of(memory.atoms[NOW, n])
     share = 1.0
     if other != one:
         share = 1.0 / (1.0 + np.exp(memory.atoms[NOW, other, 2] - memory.atoms[NOW, one, 2]))
@@ -315,7 +318,7 @@ def leave_out(memory: FitMemory, index: int) -> None:
     memory.counts[NOW] -= 1
     for n in range(index, memory.counts[NOW]):
         memory.family[NOW, n] = memory.family[NOW, n + 1]
-        for i in range(6):
+        for i in range(PARAMETERS):
             memory.atoms[NOW, n, i] = memory.atoms[NOW, n + 1, i]
 
 
@@ -325,7 +328,7 @@ def put_pair(memory: FitMemory, pairs: PairMemory, index: int, which: int) -> No
     for side in range(2):
         n = memory.counts[NOW] if side else index
         memory.family[NOW, n] = BALL
-        for i in range(6):
+        for i in range(PARAMETERS):
             memory.atoms[NOW, n, i] = pairs.atoms[2 * which + side, i]
     memory.counts[NOW] += 1
 
@@ -339,6 +342,8 @@ def unite(memory: FitMemory, one: int, other: int) -> None:
     for k in range(4):
         its[k] += share * (away[k] - its[k])
     its[2], its[4], its[5] = np.log(force + more), 0.0, 0.0
+    for k in range(6, 8):
+        its[k] += share * (away[k] - its[k])
     memory.family[NOW, one] = BALL
 
 
@@ -427,10 +432,10 @@ def rival_of(memory: FitMemory, pairs: PairMemory, index: int) -> int:
 
 @inner(_nrt=False)
 def mix_covariance(pairs: PairMemory, index: int, covariance: Floats) -> None:
-    """Mix the covariance (6, 6) of an atom with that of its rivals: of place and ln force."""
+    """Mix the covariance (8, 8) of an atom with that of its rivals: of place and ln force."""
     row, at = pairs.rivals[STATED, index], ADDED
-    for i in range(6):
-        for j in range(6):
+    for i in range(PARAMETERS):
+        for j in range(PARAMETERS):
             covariance[i, j] *= 1.0 - row[WEIGHT]
     for i, j in ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2)):
         covariance[i, j] += row[at]

@@ -267,6 +267,9 @@ class Tables(NamedTuple):
         B-spline coefficients of ln s; empty where readings are proportional to the force.
     curvature : (radii,) array
         B-spline coefficients of ln(F R), N m, of a ball of radius of curvature R.
+    shear : (families, radii, distances) array
+        Of the B-splines of what a force along the skin adds ahead of it, per newton into the skin,
+        ratio of the two, and distance; no distances where that is not known.
     first_log, log_step : float
         ln(a/h) of the first node, and from node to node.
     distance_step : float
@@ -279,6 +282,7 @@ class Tables(NamedTuple):
     coefficients: Floats
     strain: Floats
     curvature: Floats
+    shear: Floats
     first_log: float
     log_step: float
     distance_step: float
@@ -303,7 +307,7 @@ def atom_tables(physics: Physics) -> Tables:
     try:
         with np.load(file) as known:
             arrays = [known[name] for name in Tables._fields]
-        return Tables(*arrays[:3], *(float(each) for each in arrays[3:]))
+        return Tables(*arrays[:4], *(float(each) for each in arrays[4:]))
     except (OSError, ValueError, KeyError, EOFError, BadZipFile):
         made = tabulate(physics)
     with suppress(OSError):
@@ -321,6 +325,8 @@ def tabulate(
     bounds: tuple[float, float] = (SMALLEST, LARGEST),
 ) -> Tables:
     """Readings of families by radius, within bounds in thicknesses, and by distance."""
+    from skinfield.solve.atoms.shear_table import shear_readings
+
     h = physics.layer.thickness
     logs = log_radii(*bounds, LOG_STEP)
     furthest = np.exp(logs[-1]) + physics.pad_diameter / 2 / h + SIGHT
@@ -328,11 +334,13 @@ def tabulate(
     nonlinear = isinstance(physics.quantity, Capacitance) and physics.quantity.order != 1
     make = _nonlinear if nonlinear else _linear
     values, strain = make(physics, families, np.exp(logs) * h, distances * h)
+    shear = shear_readings(physics, tuple(families), np.exp(logs) * h, distances)
     curvature = [np.log(curvature_force(physics.layer, a)) for a in np.exp(logs) * h]
     return Tables(
         coefficients=splines(values, (1, 3)),
         strain=splines(np.log(strain), (1,)) if nonlinear else strain,
         curvature=splines(np.array(curvature), (0,)),
+        shear=splines(shear, (1, 2)) if shear.size else shear,
         first_log=float(logs[0]),
         log_step=LOG_STEP,
         distance_step=DISTANCE_STEP,
