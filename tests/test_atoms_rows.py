@@ -38,8 +38,8 @@ def rows_of(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Rows (N,) and the pressure."""
     drawing, count = Drawing.of(len(atoms)), len(atoms)
-    drawing.atoms[:count], drawing.family[:count] = atoms, family
-    drawing.covariance[:count] = np.diag(STD**2) if covariance is None else covariance
+    drawing.atoms[:count, :6], drawing.family[:count] = atoms, family
+    drawing.covariance[:count, :6, :6] = np.diag(STD**2) if covariance is None else covariance
     rows, pressure = np.zeros(count, CONTACT), np.zeros(len(grid))
     known = AtomRenderer(grid, LAYER, BONDED).rows.value
     return rows[: write(known, drawing, count, pressure, rows)], pressure

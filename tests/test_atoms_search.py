@@ -13,7 +13,7 @@ from scipy.interpolate import CubicSpline
 import skinfield as sf
 from skinfield.elastic import BaseStress, BondedLayer, Capacitance, ObservationModel, Quantity
 from skinfield.solve.atoms.alternatives_kernel import LOG_FORCES
-from skinfield.solve.atoms.atom_readings import predict
+from skinfield.solve.atoms.atom_readings import PARAMETERS, predict
 from skinfield.solve.atoms.fit_kernel import NOW, SHARED, WHITE
 from skinfield.solve.atoms.fitter import (
     CURVATURE_STD,
@@ -79,8 +79,8 @@ def log_curvature_force() -> CubicSpline:
 def alone(fitter: Prepared, atom: Floats, family: int) -> Floats:
     """What one ball or flat end (4,) is read as, (L,)."""
     model = fitter.fitter.fit_model
-    out, jacobian = np.empty(len(PATCH)), np.empty((1, 6, len(PATCH)))
-    one = np.append(atom, [0.0, 0.0])[None]
+    out, jacobian = np.empty(len(PATCH)), np.empty((1, PARAMETERS, len(PATCH)))
+    one = np.append(atom, np.zeros(PARAMETERS - 4))[None]
     predict(one, np.array([family]), model.taxels, model.tables, out, jacobian)
     return out
 
@@ -128,7 +128,7 @@ def test_refinement_ends_where_scipy_does(
     curvature = np.linalg.pinv(by_scipy.jac.T @ by_scipy.jac)
     off = fit.atoms[0, :4] - by_scipy.x
     assert off @ np.linalg.solve(curvature, off) < 0.1  # deviations, squared
-    hessian = memory.hessian[NOW, :36].reshape(6, 6)[:4, :4]
+    hessian = memory.hessian[NOW, : PARAMETERS**2].reshape(PARAMETERS, -1)[:4, :4]
     assert hessian == pytest.approx(
         by_scipy.jac.T @ by_scipy.jac, rel=0.1, abs=0.02 * hessian.max()
     )
@@ -139,7 +139,7 @@ def drawn(fitter: Prepared, fit: Any, readings: Floats, count: int) -> tuple[Flo
     from scipy.stats import multivariate_t
 
     rng = np.random.default_rng(5)
-    inner = np.linalg.inv(fitter.memory.hessian[NOW, :36].reshape(6, 6)[:4, :4])
+    inner = np.linalg.inv(fitter.memory.hessian[NOW, : PARAMETERS**2].reshape(PARAMETERS, -1)[:4, :4])
     freedom = 5.0  # Student's t: heavier tails than what is sampled
     normal = rng.normal(size=(count, 4))
     chi = rng.chisquare(freedom, size=count) / freedom

@@ -125,7 +125,7 @@ def test_a_light_touch_is_read_to_first_order(family: int, radius: float) -> Non
     atom = np.array([[0.0, 0.0, np.log(1e-4), np.log(radius), 0.0, 0.0]])
     taxels = LINE / H
     expected, slopes = np.empty(len(taxels)), np.empty((1, PARAMETERS, len(taxels)))
-    predict(atom, np.array([family]), taxels, table, expected, slopes)
+    predict(whole(atom), np.array([family]), taxels, table, expected, slopes)
     found = read("capacitance", atom[0], [family], taxels)
     share = 0.04 if family == RING else 0.02
     assert np.abs(found - expected).max() < share * np.abs(expected).max()
@@ -176,6 +176,12 @@ def tables(name: str) -> Tables:
     return atom_tables(Physics(LAYER, BondedLayer(), quantity, PATCH.pad_diameter))
 
 
+def whole(atoms: Floats) -> Floats:
+    """Atoms (N, 8): 0 for the parameters that are not given."""
+    rows = np.atleast_2d(np.asarray(atoms, dtype=float))
+    return np.pad(rows, ((0, 0), (0, PARAMETERS - rows.shape[1])))
+
+
 def read(name: str, atoms: Floats, family: list[int], taxels: Floats = TAXELS) -> Floats:
     return read_with_slopes(name, atoms, family, taxels)[0]
 
@@ -183,7 +189,7 @@ def read(name: str, atoms: Floats, family: list[int], taxels: Floats = TAXELS) -
 def read_with_slopes(
     name: str, atoms: Floats, family: list[int], taxels: Floats = TAXELS
 ) -> tuple[Floats, Floats]:
-    atoms = np.atleast_2d(np.asarray(atoms, dtype=float))
+    atoms = whole(atoms)
     out = np.empty(len(taxels))
     slopes = np.empty((len(atoms), PARAMETERS, len(taxels)))
     predict(atoms, np.array(family), np.ascontiguousarray(taxels), tables(name), out, slopes)
@@ -204,6 +210,7 @@ ANY = {
     "log_radius": LOG_RADIUS,
     "half": st.one_of(st.just(0.0), st.floats(0.2, 4.0)),
     "angle": st.floats(0.0, 3.1),
+    "push": st.one_of(st.just((0.0, 0.0)), st.tuples(st.floats(0.1, 0.5), st.floats(-0.5, -0.1))),
     "family": st.sampled_from(FAMILIES),
     "name": st.sampled_from(list(QUANTITIES)),
 }
@@ -211,14 +218,15 @@ ANY = {
 
 @given(**ANY)
 def test_derivatives_are_those_of_the_readings(
-    x: float, y: float, lighter: float, log_radius: float, half: float, angle: float, family: int,
-    name: str,
+    x: float, y: float, lighter: float, log_radius: float, half: float, angle: float,
+    push: tuple[float, float], family: int, name: str,
 ) -> None:  # fmt: skip
     force = shallow(name, log_radius) - lighter
-    atom = np.array([x, y, force, log_radius, half * np.cos(angle), half * np.sin(angle)])
+    atom = np.array([x, y, force, log_radius, half * np.cos(angle), half * np.sin(angle), *push])
     _, slopes = read_with_slopes(name, atom, [family])
     step = 1e-5
-    for index in range(PARAMETERS if half else 4):
+    free = [0, 1, 2, 3, *((4, 5) if half else ()), *((6, 7) if any(push) else ())]
+    for index in free:
         up, down = atom.copy(), atom.copy()
         up[index] += step
         down[index] -= step
@@ -244,9 +252,10 @@ def test_turning_the_skin_with_what_presses_changes_nothing(
 ) -> None:
     cos, sin = np.cos(turn), np.sin(turn)
     turned = np.array([[cos, sin], [-sin, cos]])
-    atom = np.array([1.0, 0.5, -1.0, 0.1, half, 0.4 * half])
+    atom = np.array([1.0, 0.5, -1.0, 0.1, half, 0.4 * half, 0.3, -0.2])
     moved = atom.copy()
-    moved[:2], moved[4:] = atom[:2] @ turned, atom[4:] @ turned
+    for pair in (slice(2), slice(4, 6), slice(6, 8)):
+        moved[pair] = atom[pair] @ turned
     for name in QUANTITIES:
         expected = read(name, atom, [family])
         found = read(name, moved, [family], TAXELS @ turned)
@@ -295,7 +304,7 @@ def test_a_vanishing_length_is_none() -> None:
     atom = np.array([0.3, -0.2, 0.0, 0.2, 1e-170, 0.0])
     readings, slopes = read_with_slopes("capacitance", atom, [BALL])
     assert np.isfinite(slopes).all()
-    round_one, within = atom[None].copy(), np.array([[-9.0, -9.0], [9.0, 9.0]])
+    round_one, within = whole(atom), np.array([[-9.0, -9.0], [9.0, 9.0]])
     model = SimpleNamespace(tables=SimpleNamespace(strain=np.zeros((0, 1))), places=within)
     hold.py_func(model, round_one, np.array([BALL]), 1)  # type: ignore[attr-defined]
     assert not round_one[0, 4:].any()

@@ -12,7 +12,7 @@ from skinfield.design.discrimination import needed_noncentrality
 from skinfield.elastic import BaseStress, Capacitance, Layer
 from skinfield.errors import Floats, InputError
 from skinfield.skin.generators import hexagon72
-from skinfield.solve.atoms.atom_readings import predict
+from skinfield.solve.atoms.atom_readings import PARAMETERS, predict
 from skinfield.solve.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG
 from skinfield.solve.atoms.table import Tables, atom_tables
 
@@ -46,8 +46,8 @@ class Fits:
 
     def read(self, atoms: Floats) -> tuple[Floats, Floats]:
         """Whitened readings (L,) of N contacts of 4 parameters, and derivatives (L, N, 4)."""
-        full = np.pad(np.atleast_2d(atoms), ((0, 0), (0, 2)))
-        out, slopes = np.empty(len(self.taxels)), np.empty((len(full), 6, len(self.taxels)))
+        full = np.pad(np.atleast_2d(atoms), ((0, 0), (0, PARAMETERS - 4)))
+        out, slopes = np.empty(len(self.taxels)), np.empty((len(full), PARAMETERS, len(self.taxels)))
         predict(full, BALLS[: len(full)], self.taxels, self.tables, out, slopes)
         return out * self.white, np.moveaxis(slopes[:, :4] * self.white, -1, 0)
 

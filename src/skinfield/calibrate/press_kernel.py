@@ -10,15 +10,16 @@ from skinfield.solve.atoms.table import Tables
 
 @njit
 def read_each(atoms: Floats, taxels: Floats, tables: Tables, out: Floats, slopes: Floats) -> None:
-    """Write readings (N, L) of atoms (N, 6), each alone, and derivatives (N, 6, L).
+    """Write readings (N, L) of atoms (N, 8), each alone, and derivatives (N, 8, L).
 
-    `slopes` may be of one atom, (1, 6, L): then they are of the last.
+    `slopes` may be of one atom, (1, 8, L): then they are of the last.
     """
     near = np.arange(len(taxels))
     room = TableRoom(
         np.empty((3, tables.coefficients.shape[3])),
         np.empty((2, tables.coefficients.shape[2])),
         np.empty((2, 4)),
+        np.empty((2, tables.shear.shape[2])),
     )
     rows = slopes.reshape(-1, len(taxels))
     last = len(slopes) - 1

@@ -6,7 +6,7 @@ import numpy as np
 
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
-from skinfield.solve.atoms.atom_readings import predict
+from skinfield.solve.atoms.atom_readings import PARAMETERS, predict
 from skinfield.solve.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG, factor, solve_factored
 from skinfield.solve.atoms.table import Tables
 
@@ -38,14 +38,14 @@ def grams(
     over their noise. Of the five, the first is the reading, then its derivatives by x, y, ln force
     and ln radius.
     """
-    atoms, family = np.zeros((1, 6)), np.zeros(1, np.int64)
+    atoms, family = np.zeros((1, PARAMETERS)), np.zeros(1, np.int64)
     atoms[0, 3] = log_radius
     five = np.empty(5)
     out[:] = 0.0
     for p in range(len(places)):
         near = rows[start[p] : start[p + 1]]
         count = len(near)
-        readings, slopes = np.empty(count), np.empty((1, 6, count))
+        readings, slopes = np.empty(count), np.empty((1, PARAMETERS, count))
         atoms[0, 0], atoms[0, 1], atoms[0, 2] = places[p, 0], places[p, 1], log_force[p]
         predict(atoms, family, picked(taxels, near), tables, readings, slopes)
         for n in range(count):
@@ -95,14 +95,14 @@ def copy(source: Floats, target: Floats) -> None:
 def fits(
     atom: Floats, readings: Floats, white: Floats, taxels: Floats, tables: Tables, enough: float
 ) -> float:
-    """Move x, y, ln force, ln radius of `atom` (1, 6) towards the least squared whitened misfit.
+    """Move x, y, ln force, ln radius of `atom` (1, 8) towards the least squared whitened misfit.
 
     Levenberg's method from where `atom` stands, until it settles or is below `enough`; returns
     the misfit.
     """
     count = len(taxels)
     family, hessian, gradient = np.zeros(1, np.int64), np.empty((4, 4)), np.empty(4)
-    found, slopes = np.empty(count), np.empty((1, 6, count))
+    found, slopes = np.empty(count), np.empty((1, PARAMETERS, count))
     trial = atom.copy()
     damping, misfit = 1e-3, np.inf
     for _ in range(STEPS):
@@ -151,15 +151,15 @@ def _normal_equations(
 def noncentrality(
     atoms: Floats, last: Floats, white: Floats, taxels: Floats, tables: Tables, enough: float
 ) -> float:
-    """Squared whitened misfit of the best single contact to two, `atoms` (2, 6) of one radius.
+    """Squared whitened misfit of the best single contact to two, `atoms` (2, 8) of one radius.
 
-    Where it is below `enough`, any misfit below will do. The fit starts from `last` (1, 6), from
+    Where it is below `enough`, any misfit below will do. The fit starts from `last` (1, 8), from
     both contacts and from their middle; `last` becomes the best found.
     """
     count = len(taxels)
-    readings, slopes = np.empty(count), np.empty((2, 6, count))
+    readings, slopes = np.empty(count), np.empty((2, PARAMETERS, count))
     predict(atoms, np.zeros(2, np.int64), taxels, tables, readings, slopes)
-    least, best, trial = np.inf, np.empty((1, 6)), np.empty((1, 6))
+    least, best, trial = np.inf, np.empty((1, PARAMETERS)), np.empty((1, PARAMETERS))
     half = np.hypot(atoms[1, 0] - atoms[0, 0], atoms[1, 1] - atoms[0, 1]) / 2
     for start in range(4):
         if start == 0:
@@ -199,7 +199,7 @@ def first_distance(
     Infinite if none of `distances` does, NaN where the patch ends before. `counts` are the taxels,
     nearest first, within sight of a contact at each distance.
     """
-    atoms, last = np.zeros((2, 6)), np.zeros((1, 6))
+    atoms, last = np.zeros((2, PARAMETERS)), np.zeros((1, PARAMETERS))
     for atom in (atoms[0], atoms[1], last[0]):
         atom[0], atom[1], atom[2], atom[3] = place[0], place[1], pair.log_force, pair.log_radius
     low, high = 0.0, np.inf

@@ -419,7 +419,7 @@ def write_covariance(drawing: Drawing, count: int, body: int, row: Any) -> None:
     Atoms are independent; the small balls of a ring move as one.
     """
     total, ring, variance, out = row["normal_force"], drawing.sums[1, body], 0.0, row["covariance"]
-    for number in range(PARAMETERS):
+    for number in range(len(out)):
         out[number] = 0.0
     for n in range(body, body + 1 if ring > 0.0 else count):
         if drawing.owner[n] != body:
