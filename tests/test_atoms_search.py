@@ -139,7 +139,9 @@ def drawn(fitter: Prepared, fit: Any, readings: Floats, count: int) -> tuple[Flo
     from scipy.stats import multivariate_t
 
     rng = np.random.default_rng(5)
-    inner = np.linalg.inv(fitter.memory.hessian[NOW, : PARAMETERS**2].reshape(PARAMETERS, -1)[:4, :4])
+    inner = np.linalg.inv(
+        fitter.memory.hessian[NOW, : PARAMETERS**2].reshape(PARAMETERS, -1)[:4, :4]
+    )
     freedom = 5.0  # Student's t: heavier tails than what is sampled
     normal = rng.normal(size=(count, 4))
     chi = rng.chisquare(freedom, size=count) / freedom

@@ -47,7 +47,10 @@ class Fits:
     def read(self, atoms: Floats) -> tuple[Floats, Floats]:
         """Whitened readings (L,) of N contacts of 4 parameters, and derivatives (L, N, 4)."""
         full = np.pad(np.atleast_2d(atoms), ((0, 0), (0, PARAMETERS - 4)))
-        out, slopes = np.empty(len(self.taxels)), np.empty((len(full), PARAMETERS, len(self.taxels)))
+        out, slopes = (
+            np.empty(len(self.taxels)),
+            np.empty((len(full), PARAMETERS, len(self.taxels))),
+        )
         predict(full, BALLS[: len(full)], self.taxels, self.tables, out, slopes)
         return out * self.white, np.moveaxis(slopes[:, :4] * self.white, -1, 0)
 

@@ -53,6 +53,9 @@ class Contact:
         that of this and the next; 0 where the number is sure. `covariance` is of both cases.
     track_id : int or None
         The same for one contact as long as it lasts; given by a `Tracker`.
+    force_covariance : (3, 3) array, N²
+        Of the force in the patch's frame. Along the skin it is as wide as before any reading where
+        these told of no force there; NaN of contacts that were found in a field.
     """
 
     position: Floats
@@ -71,6 +74,7 @@ class Contact:
     cells: NDArray[np.int64]
     maybe: int = field(default_factory=lambda: 0)  # what `later` has not may come
     track_id: int | None = field(default_factory=lambda: None)
+    force_covariance: Floats = field(default_factory=lambda: np.full((3, 3), np.nan))
 
     @classmethod
     def later(cls, rest: Any, /, **known: Any) -> Self:
@@ -125,6 +129,11 @@ class Contact:
     def normal_force(self) -> float:
         """Force into the skin along its normal, N; positive in compression."""
         return float(-self.force @ self.normal)
+
+    @property
+    def shear(self) -> Floats:
+        """Force onto the skin along it, (3,) N in the patch's frame; 0 where none is known."""
+        return np.asarray(self.force + self.normal_force * self.normal)
 
     @property
     def force_std(self) -> float:

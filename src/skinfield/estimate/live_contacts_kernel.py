@@ -63,6 +63,8 @@ def find_rows(
         row["area_std"], covariance = np.nan, row["covariance"]
         for number in range(6):
             covariance[number] = np.nan
+        for axis in range(3):
+            row["shear"][axis], row["shear_covariance"][axis] = 0.0, np.nan
         if numbers[SIGN] != 0.0:
             deviations(mine, total, factor, prior, numbers, values, taxels, row)
         stand(pressure, mine, positions, normals, numbers, row)

@@ -34,11 +34,14 @@ CONTACT = np.dtype(
         ("radius", np.float64),
         ("covariance", np.float64, (6,)),
         ("area_std", np.float64),
+        ("shear", np.float64, (3,)),
+        ("shear_covariance", np.float64, (3,)),
     ]
 )
 SHAPES = ("other", "sphere", "flat", "line")  # what `shape` is an index into
 POINTS = 32  # of an outline
 PLACES = np.array([[0, 1, 3], [1, 2, 4], [3, 4, 5]])  # of a covariance (3, 3) among a row's numbers
+STEP = 1e-4  # m each way, along which the first tangent of a surface is taken
 LONGEST = 10.0  # times the radius of the circle of equal area, of an ellipse
 
 
@@ -87,6 +90,22 @@ def covariance_of(row: Any) -> Floats:
     if np.isfinite(covariance).all():
         return np.array(covariance)
     return np.diag(np.square([row["place_std"], row["place_std"], row["force_std"]]))
+
+
+def force_of(row: Any) -> Floats:
+    """Force (3,) of a row onto the skin, N, in the patch's frame."""
+    return np.asarray(row["shear"] - float(row["normal_force"]) * row["normal"])
+
+
+def force_covariance_of(surface: Surface, row: Any) -> Floats:
+    """Covariance (3, 3) of `force_of`, N²; NaN where a row does not say it."""
+    normal, (xx, xy, yy) = np.asarray(row["normal"]), np.asarray(row["shear_covariance"]).tolist()
+    ahead = np.array([[row["x"] - STEP, row["y"]], [row["x"] + STEP, row["y"]]])
+    east = np.subtract(*surface.position_from_plane(ahead)[::-1])
+    east = east - (east @ normal) * normal
+    axes = np.stack([east, np.cross(normal, east)], axis=1) / np.linalg.norm(east)
+    along = axes @ np.array([[xx, xy], [xy, yy]]) @ axes.T
+    return np.asarray(along + covariance_of(row)[2, 2] * np.outer(normal, normal))
 
 
 def moved_rows(rows: NDArray[np.void], grid: Grid, shift: Floats) -> NDArray[np.void]:
@@ -155,7 +174,7 @@ def _contact(grid: Grid, row: Any, cells: NDArray[np.int64]) -> Contact:
     return Contact.later(
         Outline(grid.patch.surface, row),
         position=np.array(row["position"]),
-        force=0.0 - float(row["normal_force"]) * np.array(row["normal"]),
+        force=0.0 + force_of(row),
         moment=np.zeros(3),
         normal=np.array(row["normal"]),
         area=area,
@@ -177,6 +196,11 @@ class Outline(NamedTuple):
 
     surface: Surface
     row: Any
+
+    @property
+    def force_covariance(self) -> Floats:
+        """See `force_covariance_of`."""
+        return force_covariance_of(self.surface, self.row)
 
     @property
     def outline(self) -> Floats:

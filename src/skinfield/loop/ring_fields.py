@@ -20,7 +20,7 @@ from skinfield.reconstruct.engine.state import Answer
 from skinfield.ring import Field, Ring, RingReader
 from skinfield.signal import Count
 
-VERSION = 3
+VERSION = 4
 ROOM = 1 << 26  # bytes for slots
 FEWEST, MOST = 64, 1024  # slots
 SECONDS = 4.0  # of readings in the log

@@ -19,7 +19,7 @@
 #endif
 #include <stddef.h>
 
-enum { SKINFIELD_LIVE_VERSION = 3 };
+enum { SKINFIELD_LIVE_VERSION = 4 };
 enum { /* how a patch was answered */
     SKINFIELD_MISSING = 0,  /* no reading that is young enough: nothing is known */
     SKINFIELD_IDLE = 1,     /* nothing stands out of the noise */
@@ -69,6 +69,8 @@ typedef struct {
     double radius;         /* m: of the contact, or of the circle of equal area */
     double covariance[6];  /* of x, y and the force: xx, xy, yy m2, xF, yF m N, FF N2; or NaN */
     double area_std;       /* m2; NaN: not known */
+    double shear[3];       /* N, in the patch's frame: force onto the skin along it */
+    double shear_covariance[3]; /* N2: xx, xy, yy in the patch's plane; NaN: not known */
 } skinfield_contact;
 
 typedef struct {
@@ -87,7 +89,7 @@ typedef struct {
     int64_t readings;      /* that were averaged, as nothing moved */
 } skinfield_patch;
 
-typedef char skinfield_contact_is_232_bytes_[sizeof(skinfield_contact) == 232 ? 1 : -1];
+typedef char skinfield_contact_is_280_bytes_[sizeof(skinfield_contact) == 280 ? 1 : -1];
 typedef char skinfield_contact_place_[offsetof(skinfield_contact, position) == 16 &&
                                       offsetof(skinfield_contact, normal_force) == 80 &&
                                       offsetof(skinfield_contact, speed) == 152 &&
@@ -111,7 +113,7 @@ typedef struct {
 
 static inline int skinfield_live_fields_(skinfield_live *live)
 {
-    static const char version[] = "{\"skinfield_live\": 3,";
+    static const char version[] = "{\"skinfield_live\": 4,";
     const skinfield_ring *ring = &live->ring;
     skinfield_field head, patches, contacts;
     if (ring->description_bytes < sizeof version ||

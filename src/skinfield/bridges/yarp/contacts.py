@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats
+from skinfield.estimate.row_contacts import force_of
 from skinfield.loop import Answer
 from skinfield.loop.snapshot import Snapshot
 from skinfield.skin import Grid, Patch, Skin
@@ -62,8 +63,9 @@ class ContactList:
         """Force (3,) N and moment (3,) N m about the centre of pressure, in the patch's frame."""
         if snapshot.patches["answer"][row["patch"]] >= int(Answer.LINEAR):
             estimate = snapshot[patch.name]
-            return wrench_of(estimate.grid, estimate.pressure, beside, row)
-        return -float(row["normal_force"]) * row["normal"], np.zeros(3)
+            force, moment = wrench_of(estimate.grid, estimate.pressure, beside, row)
+            return force + row["shear"], moment
+        return force_of(row), np.zeros(3)
 
 
 def wrench_of(
@@ -71,9 +73,9 @@ def wrench_of(
 ) -> tuple[Floats, Floats]:
     """What a contact's pressure does to the robot.
 
-    The skin feels pressure along its normals only, so each cell's force points into the skin. Their
-    sum is the force, and their moment about their own centre the moment: zero on a flat skin, and
-    on one that is curved evenly; friction and torsion are not felt, and not invented.
+    Each cell's force points into the skin. Their sum is the force, and their moment about their own
+    centre the moment: zero on a flat skin, and on one that is curved evenly; torsion is not felt,
+    and not invented.
 
     Parameters
     ----------

@@ -13,7 +13,7 @@ from msgspec import Meta, Struct, field
 from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, InputError
-from skinfield.estimate.row_contacts import shape_name
+from skinfield.estimate.row_contacts import force_of, shape_name
 from skinfield.files.layouts.load import save_layout
 from skinfield.loop import Answer
 from skinfield.loop.model_config import Configuration, ModelConfig
@@ -433,7 +433,7 @@ def contact_plain(row: Any, patches: list[Patch]) -> dict[str, Any]:
     plain = {name: row[name].tolist() for name in PLAIN}
     plain |= {"shape": shape_name(row), "maybe": int(row["maybe"])}
     patch = patches[int(row["patch"])]
-    force = (-row["normal_force"] * row["normal"]).tolist()  # onto the skin, against its normal
+    force = force_of(row).tolist()  # onto the skin, against its normal and along it
     return plain | {"patch": patch.name, "link": patch.link, "force": force}
 
 

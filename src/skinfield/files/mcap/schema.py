@@ -115,6 +115,8 @@ ADDED: Mapping[str, Sequence[tuple[str, str, float]]] = {  # what older rows lac
         ("radius", "<f8", np.nan),
         ("covariance", "(6,)<f8", np.nan),
         ("area_std", "<f8", np.nan),
+        ("shear", "(3,)<f8", 0.0),
+        ("shear_covariance", "(3,)<f8", np.nan),
     ),
     "patch": (("readings", "<i8", 1),),
 }

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from skinfield.errors import Floats
-from skinfield.estimate.row_contacts import shape_name
+from skinfield.estimate.row_contacts import force_of, shape_name
 from skinfield.files.ros import kinds as K
 from skinfield.files.ros.kinds import Kinds
 from skinfield.files.ros.names import Topics, frame_of
@@ -32,18 +32,14 @@ class Outgoing(NamedTuple):
 
 
 class Placed(NamedTuple):
-    """A row of contacts in the frame of its link, and the time of its patch's newest reading."""
+    """A row of contacts, place and force in the frame of its link, and the time it was read."""
 
     patch: int
     stamp_ns: int
     row: Any
     position: Floats
     normal: Floats
-
-    @property
-    def force(self) -> Floats:
-        """On the skin, N."""
-        return np.asarray(-self.row["normal_force"] * self.normal)
+    force: Floats
 
 
 class SkinMessages:
@@ -133,8 +129,8 @@ class SkinMessages:
             patch = int(row["patch"])
             pose = self._poses[patch]
             position = pose[:3, :3] @ row["position"] + pose[:3, 3]
-            normal = pose[:3, :3] @ row["normal"]
-            placed.append(Placed(patch, stamps_ns[patch], row, position, normal))
+            normal, force = pose[:3, :3] @ row["normal"], pose[:3, :3] @ force_of(row)
+            placed.append(Placed(patch, stamps_ns[patch], row, position, normal, force))
         news = [each for each in placed if fresh[each.patch]]
         if "contacts" in wanted and any(fresh):
             message = self.kinds.make(
@@ -149,7 +145,7 @@ class SkinMessages:
         if "contact_wrench" in wanted:  # in the contact's own frame, whose z is out of the skin
             for each in news:
                 frame = self.topics.contact_frame(each.patch, int(each.row["track"]))
-                force = np.array([0.0, 0.0, -float(each.row["normal_force"])])
+                force = each.force @ axes_at(each.normal, self._sides[each.patch])
                 stamped = each.patch, each.stamp_ns, frame
                 yield self._wrench_stamped("contact_wrench", *stamped, force, np.zeros(3))
         if "wrench" in wanted:  # the sum of a patch's, with the moment about the link's origin

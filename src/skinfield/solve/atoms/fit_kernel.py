@@ -376,6 +376,7 @@ def evaluate(model: FitModel, memory: FitMemory, which: int, row: int) -> float:
 
 LOWEST_LOG, HIGHEST_LOG = np.log(0.18), np.log(7.0)  # of radius/thickness
 DEEPEST, ROUND = 0.93, 1e-6  # strain of the gap at the axis; half-length of what is round
+SHEAR_STD = 0.35  # of each component of the force along the skin over that into it
 STEEPEST = 1.5  # force along the skin over that into it
 RISE, FALL = 4.0, 0.2  # of the damping, after a step that failed, and at least where one did not
 FIRST_DAMPING, CAREFUL = 1e-3, 0.03  # and at least after a step that failed

@@ -8,7 +8,7 @@ from skinfield.errors import Floats, InputError
 from skinfield.solve.atoms.atom_fit import AtomFit
 from skinfield.solve.atoms.dictionary import MARGIN, Templates, make_templates
 from skinfield.solve.atoms.fit_data import FitData
-from skinfield.solve.atoms.fit_kernel import MOST, NOW, STEPS, FitModel, Priors
+from skinfield.solve.atoms.fit_kernel import MOST, NOW, SHEAR_STD, STEPS, FitModel, Priors
 from skinfield.solve.atoms.mechanics_choice import MechanicsChoice, OtherMechanics
 from skinfield.solve.atoms.misfit_kernel import AROUND, LOUD
 from skinfield.solve.atoms.reading_memory import (
@@ -50,7 +50,6 @@ CURVATURE_STD = 0.8  # of the logarithm of a ball's radius of curvature, before 
 FLAT_RADIUS, FLAT_STD = 3e-3, 0.7  # m: middle of the prior of a flat end, and of its logarithm
 RING_RADIUS, RING_STD = 4e-3, 0.5  # m, and of its logarithm
 LENGTH_STD = 4e-3  # m: of each component of the half-length of a line
-SHEAR_STD = 0.35  # of each component of the force along the skin over that into it
 FIRST = (6.0, 8.0, 60.0)  # standard deviations: touches by which all is loaded, faint and clear
 
 

@@ -21,8 +21,8 @@ from skinfield.estimate.live_contacts_kernel import (
     state_deviations,
 )
 from skinfield.estimate.row_contacts import SHAPES
-from skinfield.solve.atoms.atom_readings import PARAMETERS, is_long
-from skinfield.solve.atoms.fit_kernel import NOW, FitMemory
+from skinfield.solve.atoms.atom_readings import PARAMETERS, is_long, is_sheared
+from skinfield.solve.atoms.fit_kernel import NOW, SHEAR_STD, FitMemory
 from skinfield.solve.atoms.posterior_kernel import PosteriorMemory
 from skinfield.solve.atoms.render_kernels import (
     TERMS,
@@ -46,6 +46,7 @@ SHARE = 0.5  # thicknesses between them
 ROUND, LONG, ANNULAR = np.array([0.1, 0.09]), np.array([0.25, 0.15]), np.array([0.25, 0.25])
 HIDDEN = np.array([3.0, 1.5])
 OTHER, SPHERE, PLANE, SEGMENT = range(len(SHAPES))  # as `SHAPES` has them
+SLIDES, UNEVEN = 0.08, 0.02  # part of a force along the skin, and of that into it, it is off by
 LINE = 0.5  # half-length over radius from which an atom is drawn out, not round
 AROUND = 16  # places around an atom, of which its border's share in that of its body is counted
 FINE = 48  # places along the sides of a body of several atoms, of which its area is counted
@@ -201,6 +202,9 @@ def draw_atom(
     for i in range(4):
         unsure = errors[i // 2] ** 2 + (HIDDEN[i // 2] * errors[2]) ** 2
         covariance[i, i] += error[i // 2] ** 2 + unsure
+    for k in range(6, 8):
+        own = SLIDES * SLIDES * (atom[6] ** 2 + atom[7] ** 2) / atom[2] ** 2 + UNEVEN * UNEVEN
+        covariance[k, k] += own if is_sheared(mean) else SHEAR_STD * SHEAR_STD
     transform(covariance, by, room, covariance)
     drawing.family[place] = memory.family[NOW, index]
 
@@ -419,8 +423,14 @@ def write_covariance(drawing: Drawing, count: int, body: int, row: Any) -> None:
     Atoms are independent; the small balls of a ring move as one.
     """
     total, ring, variance, out = row["normal_force"], drawing.sums[1, body], 0.0, row["covariance"]
+    sheared, shear = row["shear_covariance"], row["shear"]
     for number in range(len(out)):
         out[number] = 0.0
+    for axis in range(3):
+        sheared[axis] = shear[axis] = 0.0
+    for n in range(count):
+        if drawing.owner[n] == body:
+            shear[0], shear[1] = shear[0] + drawing.atoms[n, 6], shear[1] + drawing.atoms[n, 7]
     for n in range(body, body + 1 if ring > 0.0 else count):
         if drawing.owner[n] != body:
             continue
@@ -444,6 +454,8 @@ def write_covariance(drawing: Drawing, count: int, body: int, row: Any) -> None:
         out[X_FORCE] += x_force + off_x * force
         out[Y_FORCE] += y_force + off_y * force
         out[FORCE_FORCE] += force
+        sheared[0], sheared[1] = sheared[0] + known[6, 6], sheared[1] + known[6, 7]
+        sheared[2] += known[7, 7]
         variance += wider * wider * known[3, 3] + longer * longer * known[4, 4]
         variance += 2.0 * wider * longer * known[3, 4]
     row["area_std"] = np.sqrt(max(variance, 0.0))
@@ -548,6 +560,30 @@ def stand(grid: RowGrid, row: Any) -> None:
     mesh = grid.mesh
     x, y = (row["x"] - mesh.x) / mesh.pitch, (row["y"] - mesh.y) / mesh.pitch
     put_on(row, x, y, grid.positions, grid.normals, mesh.columns)
+    lay_along(row, x, y, grid.positions, mesh.columns)
+
+
+@inner(_nrt=False)
+def lay_along(row: Any, x: float, y: float, positions: Floats, columns: int) -> None:
+    """Turn a force along the skin, at `x` and `y` in cells, from the plane into the frame."""
+    left = min(max(int(x), 0), max(columns - 2, 0))
+    low = min(max(int(y), 0), max(len(positions) // columns - 1, 0))
+    first, second = low * columns + left, low * columns + min(left + 1, columns - 1)
+    shear, normal = row["shear"], row["normal"]
+    by_x, by_y, across, square = shear[0], shear[1], 0.0, 0.0
+    for axis in range(3):
+        across += (positions[second, axis] - positions[first, axis]) * normal[axis]
+    for axis in range(3):
+        shear[axis] = positions[second, axis] - positions[first, axis] - across * normal[axis]
+        square += shear[axis] * shear[axis]
+    size = np.sqrt(square)
+    if not size > 0.0:
+        shear[0] = shear[1] = shear[2] = 0.0
+        return
+    a, b, c = shear[0] / size, shear[1] / size, shear[2] / size
+    shear[0] = by_x * a + by_y * (normal[1] * c - normal[2] * b)
+    shear[1] = by_x * b + by_y * (normal[2] * a - normal[0] * c)
+    shear[2] = by_x * c + by_y * (normal[0] * b - normal[1] * a)
 
 
 @inner
