@@ -149,10 +149,10 @@ def mix(pairs: Any, atom: Any, odds: float, one: Any, other: Any, out: Any) -> N
 def test_a_covariance_is_that_of_the_mixture() -> None:
     """Of draws: the one contact, or either of two with the force of both, about what is stated."""
     rng, pairs = np.random.default_rng(23), PairMemory.of(1, 1)
-    atom, one, other = (np.array([*at, np.log(force), 0, 0, 0]) for at, force in (
+    atom, one, other = (np.array([*at, np.log(force), 0, 0, 0, 0, 0]) for at, force in (
         ((0.3, -0.2), 1.5), ((2.1, 0.4), 0.8), ((-1.6, 0.1), 1.1)
     ))  # fmt: skip
-    own, odds = np.diag([0.04, 0.09, 0.02, 0.1, 0.0, 0.0]), 1.5
+    own, odds = np.diag([0.04, 0.09, 0.02, 0.1, 0.0, 0.0, 0.0, 0.0]), 1.5
     pairs.spread[:] = spread = np.array([[0.2, 0.05, 0.02], [0.05, 0.1, 0.0], [0.02, 0.0, 0.03]])
     mixed = own.copy()
     mix(pairs, atom, odds, one, other, mixed)
