@@ -28,7 +28,7 @@ from skinfield.solve.atoms.posterior_kernel import (
 from skinfield.solve.atoms.table import BALL, FLAT, RING
 
 LONGER = 5.0  # ln odds of a round contact over a drawn-out one
-PUSHED = 1.0  # ln odds of a contact that only presses over one that pushes along the skin, too
+PUSHED = 2.0  # ln odds of a contact that only presses over one that pushes along the skin, too
 FAINT_PUSH = 1e-3  # of the force, from which a push is sought
 LOG_FORCES = np.log(1e4)  # width of what forces may be, on a logarithmic scale
 LENGTHS = np.array([1.2, 3.0])  # half-lengths from which a drawn-out contact is sought, thicknesses
