@@ -21,9 +21,10 @@ if TYPE_CHECKING:
 
 DEFAULT_PRESSES = ("13,-12,3,10", "-16,8,2,6")  # mm, mm, N, mm
 PICTURE = "demo.png"
+COLD = "latency: measured once compiled; run it again"
 INTERPRETED = (
-    "interpreted, as nothing is compiled on this machine yet: that has begun in the background and "
-    "takes about a minute (`skinfield warmup`); a reading then takes less than a millisecond"
+    f"{COLD} in about a minute. Nothing is compiled on this machine yet: that has begun in the "
+    "background (`skinfield warmup`), and a reading then takes less than a millisecond"
 )
 FAR = 8e-3  # m: a contact beyond is not of this press
 AGAINST = (
@@ -92,7 +93,7 @@ def demo(
     own = not (is_first or compiling.count)  # else times are those of the interpreter, the compiler
     truth = [(b.position, b.force, r) for b, r in zip(balls, _radii(true, balls), strict=True)]
     if picture is not None:
-        report.save_picture(picture, estimate, readings, config, truth)
+        report.save_picture(picture, estimate, readings, config, truth, note="" if own else COLD)
     report.say_notes(estimate.notes)
     rows = [_against(index, ball, estimate) for index, ball in enumerate(balls, start=1)]
     result = {

@@ -1,5 +1,7 @@
 """The command's entry point: one app, whose commands are loaded when they are called."""
 
+import atexit
+import gc
 import inspect
 import re
 import sys
@@ -214,13 +216,16 @@ def main(words: Sequence[str] | None = None) -> None:
 def interpret_first(given: Iterable[str]) -> None:
     """Interpret a machine's first demo, of the usual presses: compiling takes far longer.
 
-    It is for a process that does nothing else.
+    It is for a process that does nothing else. Garbage, which would take a tenth of its time to
+    look for, is left to the system.
     """
     from skinfield.compile_progress import is_compiled
     from skinfield.compiled import interpret
 
     if USUAL.issuperset(given) and not is_compiled(ANSWER):
         interpret()
+        gc.disable()
+        atexit.register(gc.freeze)
 
 
 def _console() -> Any:
