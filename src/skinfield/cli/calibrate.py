@@ -186,7 +186,7 @@ def by_force(
     from skinfield.calibrate.by_force import fit_force
     from skinfield.calibrate.plot import draw_trivial
     from skinfield.cli.calibration_inputs import forces_together
-    from skinfield.cli.calibration_trials import draw_answers
+    from skinfield.cli.calibration_report import draw_answers
 
     _check_files(output, report_folder, force)
     its = options.patch_of(options.skin_from_text(layout), patch)
@@ -445,7 +445,7 @@ def check(
     """
     from skinfield.calibrate import ForceCalibration, PressureCalibration, load_calibration
     from skinfield.cli.calibration_inputs import forces_of, label_series, together
-    from skinfield.cli.calibration_trials import sum_up, try_contacts, try_force, try_pressure
+    from skinfield.cli.calibration_report import sum_up, try_contacts, try_force, try_pressure
 
     _check_files(None, report_folder, force)
     made, relative = load_calibration(calibration), False

@@ -38,7 +38,7 @@ class Lazy(NamedTuple):
 
 LAB = {
     "experiments": Lazy("experiments:experiments", "Make the paper's figures anew, with a report."),
-    "cases": Lazy("cases:cases", "Write simulated cases to judge solvers by."),
+    "cases": Lazy("validate:cases", "Write simulated cases to judge solvers by."),
     "validate": Lazy("validate:validate", "Score a solver on cases whose truth is known."),
     "press": Lazy("press:press", "Press bodies of any shape on simulated skin."),
     "rig": Lazy("rig:rig", "Press a simulated skin on a virtual rig."),
