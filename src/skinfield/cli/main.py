@@ -3,6 +3,7 @@
 import atexit
 import gc
 import inspect
+import os
 import re
 import sys
 from collections.abc import Iterable, Sequence
@@ -16,6 +17,7 @@ from rich.box import Box
 
 from skinfield.cli.options import LIVE, check_values, flag_of, settings_in
 from skinfield.errors import FileError, SkinfieldError
+from skinfield.processes import ONE_THREAD
 from skinfield.settings import SettingError, nearest
 
 FAILED, INTERRUPTED = 2, 130  # exit codes: an error of the user's input, Ctrl-C
@@ -191,6 +193,8 @@ def main(words: Sequence[str] | None = None) -> None:
     from threadpoolctl import threadpool_limits
 
     alone, words = words is None, sys.argv[1:] if words is None else words
+    if alone:  # for what is loaded later, such as SciPy's own BLAS: no limit is set there
+        os.environ.update({name: os.environ.get(name, one) for name, one in ONE_THREAD.items()})
     app = app_for(words)
     try:
         with threadpool_limits(limits=1):
