@@ -144,4 +144,6 @@ def test_mechanics_are_tried_beside_the_readings_of_a_contact_that_goes_on(opera
     assert counts[4] == 1
     for reading in sliding(*WORLDS[""], 23):
         operator.solve(reading, data)
-    assert len(decided) > 1
+        if len(decided) > 1:
+            return
+    raise AssertionError("no other mechanics were tried in all that time")
