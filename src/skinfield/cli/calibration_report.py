@@ -76,6 +76,17 @@ def write_report(
     return str(path / PAGE)
 
 
+def tried(made: object, values: Floats, wanted: Floats, relative: bool, recording: str) -> "Tried":
+    """How far what a calibration answers of values (T, L) is off labels (T, W)."""
+    from skinfield.calibrate import ForceCalibration, PressureCalibration
+
+    if isinstance(made, PressureCalibration):
+        return try_pressure(made, values, wanted[:, 0], recording)
+    if isinstance(made, ForceCalibration):
+        return try_force(made, values, wanted, recording)
+    return try_contacts(values[:, 0], wanted, relative, recording)
+
+
 def try_force(made: "ForceCalibration", counts: Floats, labels: Floats, recording: str) -> "Tried":
     """How far a calibration by force, and trivial answers of it, are off labels."""
     from skinfield.calibrate.by_force import compared

@@ -108,11 +108,7 @@ def reconstruct(
     from skinfield.cli.reconstruct_jobs import JobPlan, reconstruct_many
 
     folder = _folder_of(recording, output)
-    if folder is None and (odd := [flag for name, flag in flags if name in OF_MANY]):
-        _refuse(odd, "expected -o DIR, a name without an ending, into which workers write")
-    if folder is not None and (odd := [flag for name, flag in flags if name in OF_ONE]):
-        results = f"'skinfield reconstruct {folder}/NAME{ENDING}'"
-        _refuse(odd, f"expected none beside -o {folder}; ask its folders of results, as {results}")
+    _check_flags(flags, folder)
     if not recording:
         raise InputError("RECORDING is missing, expected one recording or more")
     if any(map(are_contact_lists, recording)):
@@ -127,27 +123,46 @@ def reconstruct(
         layout = recording[0]
     if layout is None and not are_results:
         raise InputError("--skin is missing, expected a layout file, or a generator by name")
-    plan = None
-    if layout is not None and not are_results:
-        plan = JobPlan.of(layout, patch, counts, elastomer, model)
+    plan = None if are_results else JobPlan.of(str(layout), patch, counts, elastomer, model)
     if plan is not None and folder is not None:
         many = options.processes(workers), scheduler
         reconstruct_many(recording, folder, plan, many, store_fields, as_json)
         return
+    _check_outputs(output, fields, summary, plot, force)
+    if plan is None:
+        _check_flags_of_results(flags, output)
+    _reconstruct_one(
+        recording[0], plan, output, fields=fields, summary=summary, plot=plot, reading=reading,
+        slice_=slice_, as_json=as_json,
+    )  # fmt: skip
+
+
+def _check_flags(flags: list[tuple[str, str]], folder: Path | None) -> None:
+    """Raise InputError for those of many recordings without a folder, or of one with it."""
+    if folder is None and (odd := [flag for name, flag in flags if name in OF_MANY]):
+        _refuse(odd, "expected -o DIR, a name without an ending, into which workers write")
+    if folder is not None and (odd := [flag for name, flag in flags if name in OF_ONE]):
+        results = f"'skinfield reconstruct {folder}/NAME{ENDING}'"
+        _refuse(odd, f"expected none beside -o {folder}; ask its folders of results, as {results}")
+
+
+def _check_outputs(
+    output: Sequence[str], fields: str | None, summary: str | None, plot: str | None, force: bool
+) -> None:
+    """Raise InputError unless these files can be written."""
     for name in output:
         report.check_output("--output", name, force, ".csv", ".parquet", ENDING)
     report.check_output("--fields", fields, force)
     report.check_output("--summary", summary, force, ".json")
     report.check_picture("--plot", plot, force)
-    if plan is None:
-        odd = [flag for name, flag in flags if name not in OF_RESULTS]
-        odd += [f"-o {Path(name).name}" for name in output if name.lower().endswith(ENDING)]
-        if odd:
-            _refuse(odd, "results were made with theirs; expected none, or the recording itself")
-    _reconstruct_one(
-        recording[0], plan, output, fields=fields, summary=summary, plot=plot, reading=reading,
-        slice_=slice_, as_json=as_json,
-    )  # fmt: skip
+
+
+def _check_flags_of_results(flags: list[tuple[str, str]], output: Sequence[str]) -> None:
+    """Raise InputError for those of how results are made, where they are made already."""
+    odd = [flag for name, flag in flags if name not in OF_RESULTS]
+    odd += [f"-o {Path(name).name}" for name in output if name.lower().endswith(ENDING)]
+    if odd:
+        _refuse(odd, "results were made with theirs; expected none, or the recording itself")
 
 
 def _refuse(flags: list[str], why: str) -> NoReturn:
@@ -215,9 +230,8 @@ def _reconstruct_one(
     as_json: bool,
 ) -> None:
     """Reconstruct a recording, or the results that it is where there is no plan."""
-    from skinfield.cli.reconstruct_jobs import parts, place_of, seconds_of, take_in
+    from skinfield.cli.reconstruct_jobs import place_of, seconds_of, take_in
     from skinfield.files import open_contacts, open_fields, write_summary
-    from skinfield.files.manifest import Totals
     from skinfield.files.results import read_results
     from skinfield.reconstruct.serialisation import CONTACTS
 
@@ -226,7 +240,6 @@ def _reconstruct_one(
     if len(stores) > 1:
         raise InputError(f"--output names two {ENDING} folders, expected one at most")
     parent = Path(names[0]).absolute().parent if names else None  # has room
-    totals = Totals()
     with ExitStack() as files:
         place = files.enter_context(place_of(stores[0] if stores else None, parent))
         tables = [files.enter_context(open_contacts(name)) for name in output if name not in stores]
@@ -243,14 +256,7 @@ def _reconstruct_one(
         readings = _readings_of(slice_, len(results), reading)
         if reading is not None and not (tables or fields or summary):
             readings = range(reading, reading + 1)
-        with report.progress("reconstructing", len(readings)) as step:
-            for part in parts(results, readings, bool(fields)):
-                for each in tables:
-                    each.write_rows(part.rows)
-                if series is not None and part.series is not None:
-                    series.write_series(results.config.grid, part.series)
-                totals.add(part.totals)
-                step(totals.readings)
+        totals = _write_parts(results, readings, tables, series)
         totals.peak = totals.peak if reading is None else reading
         best, values = results.estimate(totals.peak), results.values(totals.peak, totals.peak + 1)
         plain = _summary(results, totals, skipped, plan, seconds_of(results, readings))
@@ -261,6 +267,25 @@ def _reconstruct_one(
     if plot:
         report.save_picture(plot, best, values[0], results.config)
     report.finish(as_json, plain, names, _lines(plain, best, when))
+
+
+def _write_parts(
+    results: "Results", readings: range, tables: Sequence[Any], series: Any | None
+) -> "Totals":
+    """Write what readings give into tables and a series of fields, part by part; their totals."""
+    from skinfield.cli.reconstruct_jobs import parts
+    from skinfield.files.manifest import Totals
+
+    totals = Totals()
+    with report.progress("reconstructing", len(readings)) as step:
+        for part in parts(results, readings, series is not None):
+            for each in tables:
+                each.write_rows(part.rows)
+            if series is not None and part.series is not None:
+                series.write_series(results.config.grid, part.series)
+            totals.add(part.totals)
+            step(totals.readings)
+    return totals
 
 
 def _readings_of(text: str | None, count: int, shown: int | None) -> range:
