@@ -1,6 +1,5 @@
 """Interpreted kernels: they answer as compiled ones do, and a machine's first demo takes them."""
 
-import atexit
 import gc
 import json
 import os
@@ -83,9 +82,8 @@ def test_only_the_first_usual_demo_is_interpreted(
     monkeypatch.setattr(compile_progress, "is_compiled", lambda name: is_there)
     monkeypatch.setattr(compiled, "interpret", lambda: called.append("interpreted"))
     monkeypatch.setattr(gc, "disable", lambda: called.append("keeps garbage"))
-    monkeypatch.setattr(atexit, "register", lambda _: called.append("to the end"))
     interpret_first(given)
-    assert called == ["interpreted", "keeps garbage", "to the end"] * interpreted
+    assert called == ["interpreted", "keeps garbage"] * interpreted
 
 
 @pytest.mark.parametrize("first", [True, False])

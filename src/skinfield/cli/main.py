@@ -195,6 +195,7 @@ def main(words: Sequence[str] | None = None) -> None:
     alone, words = words is None, sys.argv[1:] if words is None else words
     if alone:  # for what is loaded later, such as SciPy's own BLAS: no limit is set there
         os.environ.update({name: os.environ.get(name, one) for name, one in ONE_THREAD.items()})
+        atexit.register(gc.freeze)  # at the end no garbage is looked for: that takes half a second
     app = app_for(words)
     try:
         with threadpool_limits(limits=1):
@@ -229,7 +230,6 @@ def interpret_first(given: Iterable[str]) -> None:
     if USUAL.issuperset(given) and not is_compiled(ANSWER):
         interpret()
         gc.disable()
-        atexit.register(gc.freeze)
 
 
 def _console() -> Any:
