@@ -31,7 +31,7 @@ from skinfield.emulator.process import start
 from skinfield.emulator.settings import VirtualSettings
 from skinfield.errors import InputError
 from skinfield.files.mcap.live import LiveRecording
-from skinfield.lab.bench.cyclictest import Cyclictest
+from skinfield.lab.bench.jitter import Cyclictest
 from skinfield.loop.client import Live
 from skinfield.loop.settings import LiveSettings
 from skinfield.loop.status import LiveStatus, Observer

@@ -30,7 +30,7 @@ from skinfield.simulate.electronics import (
     icub_electronics,
     recording,
 )
-from skinfield.simulate.electronics.thermal import ROOM
+from skinfield.simulate.electronics.noise import ROOM
 from skinfield.simulate.habits import HABITS, NONE, REAL
 from skinfield.simulate.pressing.press import readings_anywhere
 

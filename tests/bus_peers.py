@@ -11,7 +11,7 @@ from skinfield.signal import Blocks, counters
 from skinfield.wire.can import Bus, BusSettings, open_bus
 from skinfield.wire.can.messages import EXTENDED, REMOTE, CanDecoder, CanMessages
 
-PATIENCE = 30.0  # s, after which something is broken, however busy the machine
+PATIENCE = 120.0  # s, after which something is broken, however busy the machine
 
 
 def group() -> str:

@@ -135,7 +135,7 @@ def pressed_counts(force: float = 1.0, at: tuple[float, float] = (0.0, 7.5e-3)) 
     return np.clip(np.rint(REST + GAIN * change), 0, 255)
 
 
-def wait_for(condition, seconds: float = 60.0):  # type: ignore[no-untyped-def]
+def wait_for(condition, seconds: float = 180.0):  # type: ignore[no-untyped-def]
     """What `condition()` gives, as soon as that is true."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:

@@ -11,12 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from skinfield.elastic import BaseStress, BondedLayer
-from skinfield.lab.bench import contenders, machine, run, scene
-from skinfield.lab.bench.contenders import Contender, Laps, Outcome, run_chain
+from skinfield.lab.bench import machine, run, scene
 from skinfield.lab.bench.machine import spread
 from skinfield.lab.bench.picture import FLOOR, picture
 from skinfield.lab.bench.run import ContenderRun, miss
-from skinfield.lab.bench.scene import NOISE, SMOKE
+from skinfield.lab.bench.scene import NOISE, SMOKE, Contender, Laps, Outcome, run_chain
 from skinfield.lab.paper import Method, paper_patch
 from skinfield.solve import GaussianField, NonNegative
 
@@ -134,10 +133,10 @@ def test_a_contact_beside_its_finger_and_one_that_is_none() -> None:
 
 def test_contenders_answer_as_a_reconstructor_does(tiny: scene.BenchScene) -> None:
     nodes, reading = 10, tiny.readings[-1]
-    model = contenders.model_of(nodes)
+    model = scene.model_of(nodes)
     for made, solver in (
-        (contenders.gaussian("g", nodes), GaussianField()),
-        (contenders.iterative("n", model, NonNegative()), NonNegative()),
+        (scene.gaussian("g", nodes), GaussianField()),
+        (scene.iterative("n", model, NonNegative()), NonNegative()),
     ):
         made.reset()
         made.answer(reading, None)

@@ -19,8 +19,7 @@ from skinfield.cli.bench_tables import jitter_table
 from skinfield.cli.main import app_for
 from skinfield.errors import FileError, InputError
 from skinfield.lab.bench import jitter
-from skinfield.lab.bench.cyclictest import Cyclictest, quantiles_from_json
-from skinfield.lab.bench.jitter import JitterSettings, result
+from skinfield.lab.bench.jitter import Cyclictest, JitterSettings, quantiles_from_json, result
 from skinfield.loop.realtime import Quantiles, RealTimeStatus, Timing, TimingTable
 
 

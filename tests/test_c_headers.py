@@ -35,7 +35,7 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def ran(program: Path, *words: object) -> "subprocess.CompletedProcess[str]":
     command = [str(program), *map(str, words)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60)
+    return subprocess.run(command, capture_output=True, text=True, timeout=300)
 
 
 def seen(program: Path, path: Path) -> list[list[str]]:

@@ -221,7 +221,10 @@ def test_a_damaged_file_is_an_error_or_a_calibration(
 
 
 def test_an_insole_is_answered_better_than_by_lines(shared_data: Path) -> None:
-    """Over all readings; Belli et al. 2023: 0.185 by lines, 0.139 by cubics with 40 past ones."""
+    """Over all readings of each third taxel.
+
+    Belli et al. 2023: 0.185 bar by lines, 0.139 by cubics with 40 past readings.
+    """
     folder = shared_data / "insole-plenum"
     if not folder.exists():
         pytest.skip(f"no {folder.name} in {folder.parent}")
@@ -230,11 +233,11 @@ def test_an_insole_is_answered_better_than_by_lines(shared_data: Path) -> None:
         content = loadmat(folder / f"{name}.mat", squeeze_me=True, struct_as_record=False)
         made = content["experiment"]
         length = min(len(made.C), len(made.P))
-        sets.append((made.C[:length, 2::2].astype(float), 1e5 * made.P[:length].astype(float)))
+        sets.append((made.C[:length, 2::6].astype(float), 1e5 * made.P[:length].astype(float)))
     calibration = sf.calibrate.pressure(*sets[0])
     counts, reference = sets[1]
     answer = calibration.pressure(counts)
-    assert (np.isfinite(answer).mean(axis=0) > 0.99).sum() >= 115  # of 140
+    assert (np.isfinite(answer).mean(axis=0) > 0.99).mean() > 0.8
     off = (answer - reference[:, None])[:, calibration.usable]
     rms = np.sqrt(np.nanmean(np.square(off), axis=0)) * 1e-5
     assert 0.08 < np.median(rms) < 0.125

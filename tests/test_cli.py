@@ -141,3 +141,20 @@ def test_the_command_is_also_a_module() -> None:
     words = [sys.executable, "-m", "skinfield", "--version"]
     said = subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
     assert said == version("skinfield")
+
+
+def test_what_a_command_loads_later_computes_on_one_thread() -> None:
+    script = """
+import contextlib, sys
+from skinfield.cli import main
+with contextlib.suppress(SystemExit):
+    sys.argv = ["skinfield", "--version"]
+    main()
+import scipy.linalg
+from threadpoolctl import threadpool_info
+print(*(each["num_threads"] for each in threadpool_info() if "scipy.libs" in each["filepath"]))
+"""
+    kept = {name: value for name, value in os.environ.items() if "NUM_THREADS" not in name}
+    words = [sys.executable, "-c", script]
+    done = subprocess.run(words, env=kept, check=True, capture_output=True, text=True)
+    assert set(done.stdout.splitlines()[-1].split()) == {"1"}

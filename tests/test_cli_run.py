@@ -220,7 +220,7 @@ def running(*options: str, name: str = "") -> Iterator[Running]:
 def ends(found: Running, number: int) -> tuple[str, str]:
     """Send a signal, as a terminal does it to the whole group; what was said until the end."""
     os.killpg(found.process.pid, number)
-    said = found.process.communicate(timeout=60)
+    said = found.process.communicate(timeout=300)
     wait_for(found.all_gone)
     assert left_of(found.name) == []
     assert "Traceback" not in said[1]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from skinfield.errors import FileError, InputError
@@ -45,10 +45,10 @@ def test_counts_and_quantity_undo_each_other(calibration, change):
 
 
 @pytest.mark.parametrize("ending", [".npz", ".toml"])
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=40)
+@settings(max_examples=40)
 @given(calibration=calibrations())
-def test_files_bring_back_every_bit(tmp_path, ending, calibration):
-    file = tmp_path / f"c{ending}"
+def test_files_bring_back_every_bit(tmp_path_factory, ending, calibration):
+    file = tmp_path_factory.getbasetemp() / f"c{ending}"
     save_calibration(calibration, file)
     back = load_calibration(file)
     for name in ("baseline", "gain", "noise_std", "alive", "uid"):
@@ -61,10 +61,10 @@ def test_files_bring_back_every_bit(tmp_path, ending, calibration):
 
 
 @pytest.mark.parametrize("ending", [".npz", ".toml"])
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=150)
+@settings(max_examples=150)
 @given(data=st.data())
-def test_garbage_is_a_file_error_and_nothing_else(tmp_path, ending, data):
-    file = tmp_path / f"g{ending}"
+def test_garbage_is_a_file_error_and_nothing_else(tmp_path_factory, ending, data):
+    file = tmp_path_factory.getbasetemp() / f"g{ending}"
     save_calibration(Calibration.identity(Patch(1e-2 * np.eye(3)), noise_std=0.01), file)
     content = bytearray(data.draw(st.one_of(st.just(file.read_bytes()), st.binary(max_size=200))))
     for _ in range(data.draw(st.integers(1, 4))):

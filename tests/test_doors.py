@@ -25,11 +25,12 @@ from skinfield.files.results import read_results
 from skinfield.files.ros.bag import RosbagKinds
 from skinfield.loop import status
 from skinfield.loop.engine_process import EngineProcess
+from skinfield.loop.slots import CycleSlot
 from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.source import EngineView, LiveSource
 from skinfield.page.updates import Updates
 from skinfield.record.recorder import Recorder, forget_state
-from skinfield.ring import Ring, State
+from skinfield.ring import Ring, RingReader, State
 from skinfield.signal import Kind, Port, counters
 from skinfield.skin.reading import Recording
 
@@ -155,11 +156,16 @@ class Loop:
         more = {"tare_seconds": 0.1, "stale_after": 600.0, "budget": AMPLE, "rungs": (12,)}
         made = {"skin": PATCH, "layer": LAYER, "sources": (self.source,), "board": None}
         self.process = EngineProcess(settings(**made, **more))
-        while self.process.updater is None or self.process.better or self.process.began:
-            self.cycle(rng.normal(scale=NOISE, size=len(PATCH)))
-            time.sleep(1e-3)
-        self.process.ring.set_state(State.RUNNING)
         self.name = self.process.settings.name
+        self.stamps = []  # of each cycle until all is ready
+        with RingReader(self.name) as reader:
+            slot = reader.slot()
+            while self.process.updater is None or self.process.better or self.process.began:
+                self.cycle(rng.normal(scale=NOISE, size=len(PATCH)))
+                cycle = CycleSlot.of(reader.latest(slot).arrays)
+                self.stamps.append(int(cycle.patches["stamp_ns"][0]))
+                time.sleep(1e-3)
+        self.process.ring.set_state(State.RUNNING)
         self.noise_std = self.process.ring.status["noise_std"].copy()
 
     def cycle(self, reading):
@@ -193,6 +199,13 @@ def moving():
         clean = true.capacitance(PATCH.plane, PATCH.pad_diameter)
         made.append((clean + rng.normal(scale=NOISE, size=len(PATCH))).astype(np.float32))
     return made
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
+def test_once_answered_a_patch_stays_so_while_a_better_solver_takes_over(loop):
+    answered = np.trim_zeros(loop.stamps, "f")
+    assert (np.diff(answered) >= 0).all()
+    assert loop.process.updater.model_config.solver == sf.Auto()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")

@@ -34,7 +34,7 @@ def test_target_takes_any_bytes(name: str, monkeypatch: pytest.MonkeyPatch) -> N
 
 def run(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, str(folder / "run.py"), *words]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300)
 
 
 def test_runner_lists_targets_and_says_what_it_needs() -> None:

@@ -1,16 +1,21 @@
 """Interpreted kernels: they answer as compiled ones do, and a machine's first demo takes them."""
 
+import gc
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import run
+from matplotlib.text import Text
 
 import skinfield as sf
-from skinfield import compile_progress, compiled
+from skinfield import compile_progress, compiled, plot
+from skinfield.cli import demo
 from skinfield.cli.main import interpret_first
 
 ANSWERS = """
@@ -75,6 +80,25 @@ def test_only_the_first_usual_demo_is_interpreted(
 ) -> None:
     called = []
     monkeypatch.setattr(compile_progress, "is_compiled", lambda name: is_there)
-    monkeypatch.setattr(compiled, "interpret", lambda: called.append(True))
+    monkeypatch.setattr(compiled, "interpret", lambda: called.append("interpreted"))
+    monkeypatch.setattr(gc, "disable", lambda: called.append("keeps garbage"))
     interpret_first(given)
-    assert bool(called) == interpreted
+    assert called == ["interpreted", "keeps garbage"] * interpreted
+
+
+@pytest.mark.parametrize("first", [True, False])
+def test_time_of_the_interpreter_is_no_latency(
+    first: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    figures = []
+    words = ["demo", "--press", "0,6,2,6", "--solver", "gaussian", "-o", tmp_path / "d.png"]
+    run(*words)  # compiles what is not there yet
+    monkeypatch.setattr(demo, "_compile_in_background", lambda: None)
+    monkeypatch.setattr(plot, "save", lambda figure, path: figures.append(figure))
+    monkeypatch.setattr(compiled.MODE, "interpreted", first)
+    said = run(*words, "--force")
+    (figure,) = figures
+    drawn = [text.get_text() for text in figure.findobj(Text)]
+    assert (demo.COLD in said) == (demo.COLD in drawn) == first
+    seconds = re.compile(r"latency: \d|cells of .*; [\d.]+ (s|ms|µs)$")
+    assert any(map(seconds.search, drawn)) == bool(seconds.search(said)) == (not first)

@@ -7,7 +7,7 @@ import pytest
 from command_line import refused, run
 
 import skinfield as sf
-from skinfield.reconstruct.order import FEWEST, order_note, partners
+from skinfield.reconstruct.diagnostics import TELL_ORDER, order_note, partners
 
 PATCH = sf.layouts.hexagon72()
 
@@ -24,7 +24,7 @@ def strokes(seed: int = 0) -> np.ndarray:
 
 def test_taxels_that_read_together_are_neighbours() -> None:
     count, near, chance = partners(strokes(), PATCH)
-    assert count >= FEWEST
+    assert count >= TELL_ORDER
     assert near > 0.8 > 4 * chance
     assert not order_note(strokes(), PATCH)
 

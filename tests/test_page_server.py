@@ -31,7 +31,7 @@ from skinfield.page.updates import Updates
 from skinfield.page.wire import packed, scaled
 from skinfield.skin import Grid
 
-LONG = 60.0  # s
+LONG = 180.0  # s
 
 
 @pytest.fixture(scope="module")

@@ -1,7 +1,6 @@
 """The page of recordings in a real browser, who may open it, and its picture, pixel by pixel."""
 
 import signal
-import sys
 from collections.abc import Iterator
 from functools import partial
 from importlib.resources import files
@@ -12,8 +11,9 @@ from urllib.request import urlopen
 
 import numpy as np
 import pytest
-from browser import DESK, ENDS, PATIENCE, Look, Served, looking, running_browser, served
+from browser import DESK, ENDS, PATIENCE, Look, Served, looking, served
 from live_skins import unique_name
+from page_fixtures import *  # noqa: F403
 from page_gestures import LABELS, Hand
 from page_sources import StillSource
 from replay_sample import PERIOD, ROWS, Known, write
@@ -21,15 +21,9 @@ from replay_sample import PERIOD, ROWS, Known, write
 from skinfield.page.server import serve_page
 from skinfield.page.settings import PageSettings
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="rings are tested on Linux")
 TOKEN = "a-long-enough-secret"
 CYCLES = 400
 SECOND = 1_000_000_000
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("view")
 
 
 @pytest.fixture(scope="module")
@@ -42,12 +36,6 @@ def view(folder: Path, made: list[Known]) -> Iterator[Served]:
     """The page of a recording, for others too."""
     words = ("view", "touch.mcap", "--host", "0.0.0.0", "--token", TOKEN)
     with served(*words, folder=folder) as running:
-        yield running
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    with running_browser() as running:
         yield running
 
 

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from command_line import invoke, refused, run
+from live_skins import wait_for
 
 import skinfield as sf
 from skinfield.cli import reconstruct_jobs
@@ -277,6 +278,11 @@ def read_whole(path: Path) -> tuple[np.ndarray, np.ndarray, list[dict[str, objec
     return results.readings.to_numpy(), results.pressure.to_numpy(), contacts
 
 
+def executing(dask_worker: Any) -> int:
+    """How many jobs a worker is at; those that nobody waits for any more count, too."""
+    return len(dask_worker.state.executing)
+
+
 @pytest.fixture(scope="module")
 def client() -> Iterator[Any]:
     with dask_client(2, None) as found:
@@ -304,6 +310,7 @@ def test_a_killed_worker_loses_nothing_and_an_ended_run_goes_on(
     manifest = Manifest.open(folder, map(str, paths), plan.settings(True))
     with pytest.raises(KeyboardInterrupt):
         run_jobs(manifest, plan, True, client, end_after_one)
+    wait_for(lambda: not any(client.run(executing).values()))  # workers of an ended run end, too
 
     def kill_one(kind: str, name: str, readings: int) -> None:
         again.append((kind, name, readings))

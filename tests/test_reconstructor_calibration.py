@@ -41,7 +41,7 @@ def test_counts_become_the_contacts_of_their_readings(
     gap = np.where(calibration.alive, change, np.nan)
     for rec in (by_counts, copy(by_counts)):
         one, other = rec(counts), by_readings(gap)
-        assert one.normal_force == pytest.approx(other.normal_force, rel=1e-9)
+        assert one.normal_force == pytest.approx(other.normal_force, rel=1e-6)
         assert not one.valid[5]
         by_readings.reset()
     assert one.normal_force == pytest.approx(1.5, rel=0.1)

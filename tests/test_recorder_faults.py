@@ -21,7 +21,7 @@ from skinfield.files.mcap.live import LiveRecording
 from skinfield.record.recorder import Recorder, read_state
 from skinfield.record.recover import recover
 
-PATIENCE = 60.0  # s, on a machine that is busy
+PATIENCE = 180.0  # s, on a machine that is busy
 MODULE, MAIN = ("-m", "skinfield.record.recorder"), "from skinfield.cli import main; main()"
 
 

@@ -15,7 +15,7 @@ class Found:
 
 
 def test_why_nothing_is_shown() -> None:
-    from skinfield.cli.remote import NOBODY, RemoteController
+    from skinfield.cli.replay import NOBODY, RemoteController
 
     found = Found()
     controller = RemoteController(found)

@@ -12,8 +12,7 @@ from hypothesis import strategies as st
 import skinfield as sf
 from skinfield.elastic import Capacitance, ObservationModel
 from skinfield.errors import Floats, InputError
-from skinfield.reconstruct.engine.idle_test import SCORES, IdleTest
-from skinfield.reconstruct.engine.patch_kinds import CUT
+from skinfield.reconstruct.engine.patch_kinds import CUT, SCORES, IdleTest
 from skinfield.skin import Grid, Patch
 from skinfield.solve import GaussianField, tiles_kernel
 from skinfield.solve.tiles import Tiles

@@ -106,7 +106,7 @@ def follow_a_press(events: Iterator, port: str, robot: Robot, name: str) -> None
     _, nothing = next(events)
     assert nothing == []
     robot.counts = pressed_counts(FORCE, PLACE)
-    settled = time.monotonic() + 60.0
+    settled = time.monotonic() + 180.0
     found: list[list] = []
     while len(found) < 15:
         assert time.monotonic() < settled
@@ -126,7 +126,7 @@ def follow_a_press(events: Iterator, port: str, robot: Robot, name: str) -> None
     assert len(taxels) == 72
     assert np.argmax(taxels) in found[-1][6]
     robot.counts = np.full(72, 240.0)
-    wait_for(lambda: next(events)[1] == [], 60.0)
+    wait_for(lambda: next(events)[1] == [], 180.0)
 
 
 def check_contacts(contacts: list[list]) -> float:

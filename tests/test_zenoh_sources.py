@@ -30,7 +30,7 @@ from skinfield.bridges.zenoh.session import Keys
 from skinfield.bridges.zenoh.source import Delay
 from skinfield.errors import InputError
 
-LONG = 60.0  # s
+LONG = 180.0  # s
 
 
 @pytest.fixture

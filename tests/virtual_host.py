@@ -12,7 +12,7 @@ QUIET = {"noise_scale": 0.0, "scene": "idle", "bus": "udp"}
 START = ["4D 02 01 F0", "50 00 0F 02 01 00 22", "07 00"]
 PUNCTUAL = Wires(jitter_us=0.0)  # else what is due now may be due a moment after
 STEPPED = {"control": "", "rate": 100.0, "lead_in": 0.0, "wires": PUNCTUAL}
-LONG = 60.0  # s: far more than anything here takes
+LONG = 180.0  # s: far more than anything here takes
 
 
 class Host:

@@ -16,10 +16,10 @@ step = sf.datasets.load("foot_step")
 print(step.about)
 
 # %%
-# Every second reading, by itself. Readings without load have no centre.
+# Every third reading, by itself. Readings without load have no centre.
 
 reconstruct = sf.Reconstructor(step.patch, step.layer, calibration=step.calibration)
-chosen = slice(0, None, 2)
+chosen = slice(0, None, 3)
 time = step.recording.time[chosen]
 force = np.zeros(len(time))
 centre = np.full((len(time), 2), np.nan)

@@ -100,9 +100,7 @@ def scale(
     """
     from skinfield.cli.reconstruct_jobs import JobPlan
     from skinfield.files import open_recording, write_summary
-    from skinfield.plot import save
     from skinfield.signal import column_of, fit_scale
-    from skinfield.signal.plot import draw_timeline
 
     report.check_picture("--plot", plot, force)
     report.check_output("--output", output, force, ".json")
@@ -127,16 +125,27 @@ def scale(
     if output:
         write_summary(output, result)
     if plot:
-        figure = draw_timeline(
-            (stamps - stamps[0]) * 1e-9,
-            fit.factor * loads,
-            fit.reference,
-            label=f"skin x {fit.factor:.3g} (E = {modulus:.3g} kPa)",
-            reference_label=f"force/torque sensor, {axis}",
-            title=f"{config.patch.name}: normal force",
-        )
-        save(figure, plot)
+        of = f"skin x {fit.factor:.3g} (E = {modulus:.3g} kPa)", f"force/torque sensor, {axis}"
+        _draw_forces(plot, stamps, fit.factor * loads, fit.reference, *of, config.patch.name)
     report.finish(as_json, result, (output, plot), lines)
+
+
+def _draw_forces(
+    path: str,
+    stamps: NDArray[np.int64],
+    loads: Floats,
+    reference: Floats,
+    label: str,
+    reference_label: str,
+    name: str,
+) -> None:
+    """Draw the skin's forces and those of a sensor, (T,) N, over time into a file."""
+    from skinfield.plot import save
+    from skinfield.signal.plot import draw_timeline
+
+    labels = {"label": label, "reference_label": reference_label}
+    time, title = (stamps - stamps[0]) * 1e-9, f"{name}: normal force"
+    save(draw_timeline(time, loads, reference, title=title, **labels), path)
 
 
 @calibrate.command(name="force")
@@ -186,7 +195,7 @@ def by_force(
     from skinfield.calibrate.by_force import fit_force
     from skinfield.calibrate.plot import draw_trivial
     from skinfield.cli.calibration_inputs import forces_together
-    from skinfield.cli.calibration_trials import draw_answers
+    from skinfield.cli.calibration_report import draw_answers
 
     _check_files(output, report_folder, force)
     its = options.patch_of(options.skin_from_text(layout), patch)
@@ -445,7 +454,7 @@ def check(
     """
     from skinfield.calibrate import ForceCalibration, PressureCalibration, load_calibration
     from skinfield.cli.calibration_inputs import forces_of, label_series, together
-    from skinfield.cli.calibration_trials import sum_up, try_contacts, try_force, try_pressure
+    from skinfield.cli.calibration_report import sum_up, tried, write_report
 
     _check_files(None, report_folder, force)
     made, relative = load_calibration(calibration), False
@@ -464,19 +473,12 @@ def check(
     else:
         label = label_series(labels_file, labels, unit, name, offset, log)
         values, wanted, notes = together(skin, label)
-        if isinstance(made, PressureCalibration):
-            verdict, result, figures = try_pressure(made, values, wanted[:, 0], recording)
-        elif isinstance(made, ForceCalibration):
+        if not isinstance(made, PressureCalibration):
             wanted = forces_of(labels_file, wanted)
-            verdict, result, figures = try_force(made, values, wanted, recording)
-        else:
-            wanted = forces_of(labels_file, wanted)
-            verdict, result, figures = try_contacts(values[:, 0], wanted, relative, recording)
+        verdict, result, figures = tried(made, values, wanted, relative, recording)
     result["verdict"] = verdict
     page = None
     if report_folder:
-        from skinfield.cli.calibration_report import write_report
-
         said = getattr(made, "verdict", repr(made))
         facts = {"calibration": calibration, "made": said, "recording": recording}
         page = write_report(report_folder, "Calibration, tried", verdict, facts, figures, notes)

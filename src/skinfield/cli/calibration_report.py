@@ -1,16 +1,24 @@
-"""Report of a calibration: one page with a verdict, figures and a table, in a folder."""
+"""Report of a calibration, and trials of it on other recordings, held against labels."""
 
+import warnings
 from collections.abc import Iterable, Mapping
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from skinfield.cli.report import check_output
-from skinfield.errors import FileError
+from skinfield.errors import FileError, Floats
+from skinfield.estimate.contact_table import RELATIVE
 from skinfield.plot import save
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from skinfield.calibrate import ForceCalibration, PressureCalibration
+
+    Tried = tuple[str, dict[str, Any], dict[str, Figure]]  # verdict, numbers, figures
 
 PAGE = "report.html"
 LOOK = """body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto;
@@ -66,3 +74,108 @@ def write_report(
     except OSError as error:
         raise FileError(f"{folder} cannot be written: {error.strerror or error}") from error
     return str(path / PAGE)
+
+
+def tried(made: object, values: Floats, wanted: Floats, relative: bool, recording: str) -> "Tried":
+    """How far what a calibration answers of values (T, L) is off labels (T, W)."""
+    from skinfield.calibrate import ForceCalibration, PressureCalibration
+
+    if isinstance(made, PressureCalibration):
+        return try_pressure(made, values, wanted[:, 0], recording)
+    if isinstance(made, ForceCalibration):
+        return try_force(made, values, wanted, recording)
+    return try_contacts(values[:, 0], wanted, relative, recording)
+
+
+def try_force(made: "ForceCalibration", counts: Floats, labels: Floats, recording: str) -> "Tried":
+    """How far a calibration by force, and trivial answers of it, are off labels."""
+    from skinfield.calibrate.by_force import compared
+    from skinfield.calibrate.plot import draw_trivial
+
+    wanted, answer = made.label(labels), made.force(counts)
+    heard = np.isfinite(answer)
+    off = (answer - wanted)[heard]
+    rmse = float(np.sqrt(np.mean(np.square(off))))
+    trivial = {
+        name: float(np.sqrt(np.mean(np.square((its - wanted)[heard]))))
+        for name, its in made.trivial(counts).items()
+    }
+    within = float(np.mean(np.abs(off) < made.residual_std))
+    mean = float(off.mean())
+    result = {"rmse_N": rmse, "mean_off_N": mean, "within_one_std": within} | dict(
+        zip(("constant_rmse_N", "sum_rmse_N", "ridge_rmse_N"), trivial.values(), strict=True)
+    )
+    share = f"{mean:+.3g} N in the mean, {within:.0%} within ± {made.residual_std:.3g} N"
+    verdict = f"{compared(rmse, trivial)}; {share}"
+    if made.sign_is_sure and float((wanted - wanted.mean())[heard] @ answer[heard]) < 0.0:
+        verdict += "; labels fall as the answers rise: is their sign that of the calibration's?"
+    figures = {
+        "Over the readings": draw_answers(answer, wanted, Path(recording).name),
+        "Error beside trivial answers": draw_trivial(rmse, trivial),
+    }
+    return verdict, result, figures
+
+
+def try_pressure(
+    made: "PressureCalibration", counts: Floats, wanted: Floats, recording: str
+) -> "Tried":
+    """How far a calibration by pressure is off labels, median over the taxels."""
+    from skinfield.calibrate.by_pressure import check_pressure
+
+    check_pressure(wanted)
+    answer = made.pressure(counts)
+    with warnings.catch_warnings(action="ignore"):  # of taxels that are broken
+        errors = np.sqrt(np.nanmean(np.square(answer - wanted[:, None]), axis=0))
+        rmse, shown = float(np.nanmedian(errors)), np.nanmedian(answer, axis=1)
+    there = np.isfinite(answer).mean(axis=0)  # of the readings
+    alive, constant = there[there > 0.0], float(wanted.std())
+    better = "" if rmse < constant else "; a constant is better"
+    result = {"rmse_Pa": rmse, "constant_rmse_Pa": constant, "usable": len(alive)}
+    result["answered_share"] = float(alive.mean()) if len(alive) else 0.0
+    verdict = (
+        f"{rmse:.4g} Pa off (rms, median of {len(alive)} of {len(made)} taxels, which answer "
+        f"{result['answered_share']:.2%} of their readings), a constant {constant:.4g}{better}"
+    )
+    figures = {"Over the readings": draw_answers(shown, wanted, Path(recording).name, "Pa")}
+    return verdict, result, figures
+
+
+def try_contacts(answer: Floats, labels: Floats, relative: bool, recording: str) -> "Tried":
+    """How far forces of contacts (T,) are off labels; up to one factor where they are relative."""
+    wanted = labels if labels.ndim == 1 else labels[:, int(np.argmax(labels.std(axis=0)))]
+    wanted = wanted * (1.0 if float((answer - answer.mean()) @ wanted) >= 0.0 else -1.0)
+    factor = float(answer @ wanted) / float(answer @ answer) if relative and answer.any() else 1.0
+    answer = factor * answer
+    rmse, constant = float(np.sqrt(np.mean(np.square(answer - wanted)))), float(wanted.std())
+    result = {"rmse_N": rmse, "constant_rmse_N": constant, "relative": relative, "factor": factor}
+    of = f"relative: one is {factor:.4g} N by these labels; then " if relative else ""
+    better = "" if rmse < constant else "; a constant is better"
+    verdict = f"{of}{rmse:.4g} N off (rms), a constant {constant:.4g}{better}"
+    return (
+        verdict,
+        result,
+        {"Over the readings": draw_answers(answer, wanted, Path(recording).name)},
+    )
+
+
+def sum_up(answer: Floats, unit: str, relative: bool) -> tuple[str, dict[str, Any]]:
+    """What is answered where no label is known, in words and numbers."""
+    low, middle, high = np.nanpercentile(answer, [1.0, 50.0, 99.0])
+    shown = RELATIVE if relative else unit
+    verdict = f"answers {low:.4g} to {high:.4g} {shown} (1 to 99 %), median {middle:.4g}"
+    return verdict, {f"low_{unit}": low, f"high_{unit}": high, "relative": relative}
+
+
+def draw_answers(answer: Floats, wanted: Floats, title: str, unit: str = "N") -> "Figure":
+    """Answers and labels (T,) over the readings, and their difference."""
+    from skinfield.signal.plot import draw_timeline
+
+    label = "skin" if unit == "N" else "skin, median of taxels"
+    figure = draw_timeline(
+        np.arange(len(answer)), answer, wanted,
+        label=label, reference_label="label", title=title, unit=unit,
+    )  # fmt: skip
+    figure.axes[0].set_ylabel("force (N)" if unit == "N" else f"pressure ({unit})")
+    figure.axes[1].set_ylabel(f"difference ({unit})")
+    figure.axes[1].set_xlabel("reading")
+    return figure

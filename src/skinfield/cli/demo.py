@@ -4,6 +4,7 @@ import os
 import time
 import timeit
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,13 +18,15 @@ from skinfield.errors import Floats, InputError, as_floats
 
 if TYPE_CHECKING:
     from skinfield import Estimate, Reconstructor
+    from skinfield.reconstruct.serialisation import ReconstructorConfig
     from skinfield.simulate import Press, Sphere
 
 DEFAULT_PRESSES = ("13,-12,3,10", "-16,8,2,6")  # mm, mm, N, mm
 PICTURE = "demo.png"
+COLD = "latency: measured once compiled; run it again"
 INTERPRETED = (
-    "interpreted, as nothing is compiled on this machine yet: that has begun in the background and "
-    "takes about a minute (`skinfield warmup`); a reading then takes less than a millisecond"
+    f"{COLD} in about a minute. Nothing is compiled on this machine yet: that has begun in the "
+    "background (`skinfield warmup`), and a reading then takes less than a millisecond"
 )
 FAR = 8e-3  # m: a contact beyond is not of this press
 AGAINST = (
@@ -65,26 +68,17 @@ def demo(
         Figure to write: .png, .pdf or .svg. Default demo.png, or a name that is free.
     """
     from skinfield.compiled import CONFIG, MODE
-    from skinfield.simulate import press as pressed
 
     picture = output
     if output is None:
         picture = report.picture_if_drawable(report.free_name(PICTURE))
     report.check_picture("--output", picture, force)
-    patch = options.patch_of(options.skin_from_text(layout), None)
-    profile = options.profile_in_use(elastomer, layout=layout)
-    layer = options.layer_of(elastomer, profile)
     name = model.quantity or "capacitance"
-    quantity = options.quantity_of(name)
-    spread = quantity.typical_noise if noise is None else noise
+    config = _config_of(layout, noise, elastomer, replace(model, quantity=name))
     is_first = MODE.interpreted and not CONFIG.DISABLE_JIT
     balls = [options.parsed("--press", text, _ball_of) for text in press or DEFAULT_PRESSES]
-    extent = 2 * float(np.abs(patch.plane).max()) + 12e-3
-    config = options.config_of(patch, layer, quantity, spread, options.filled(model, profile))
     with report.compilation(quiet=as_json) as compiling:
-        true = pressed(layer, balls, extent=extent, cell=min(0.4e-3, extent / 40))
-        clean = true.readings(patch.plane, patch.pad_diameter, name)
-        readings = clean + np.random.default_rng(seed).normal(scale=spread, size=len(patch))
+        true, readings = _pressed(config, balls, name, seed)
         start = time.perf_counter()
         reconstructor = config.reconstructor()
         prepared = time.perf_counter() - start
@@ -92,17 +86,10 @@ def demo(
     own = not (is_first or compiling.count)  # else times are those of the interpreter, the compiler
     truth = [(b.position, b.force, r) for b, r in zip(balls, _radii(true, balls), strict=True)]
     if picture is not None:
-        report.save_picture(picture, estimate, readings, config, truth)
+        report.save_picture(picture, estimate, readings, config, truth, note="" if own else COLD)
     report.say_notes(estimate.notes)
     rows = [_against(index, ball, estimate) for index, ball in enumerate(balls, start=1)]
-    result = {
-        "contacts": report.plain_contacts(estimate.contacts),
-        "presses": rows,
-        "solver": estimate.solver,
-        "prepared_s": prepared if own else None,
-        "latency_s": estimate.latency if own else None,
-        "picture": picture,
-    }
+    result = _plain(estimate, prepared if own else None) | {"presses": rows, "picture": picture}
 
     def lines() -> Iterator[report.Shown]:
         yield report.table_of_contacts(estimate.contacts, f"Contacts, by {estimate.solver}")
@@ -116,6 +103,40 @@ def demo(
     report.finish(as_json, result, [picture], lines())
     if is_first:
         _compile_in_background()
+
+
+def _config_of(
+    layout: str, noise: float | None, elastomer: Elastomer, model: ModelSettings
+) -> "ReconstructorConfig":
+    """Settings of a reconstruction of the layout's patch, by the profile in use."""
+    patch = options.patch_of(options.skin_from_text(layout), None)
+    profile = options.profile_in_use(elastomer, layout=layout)
+    layer, quantity = options.layer_of(elastomer, profile), options.quantity_of(str(model.quantity))
+    spread = quantity.typical_noise if noise is None else noise
+    return options.config_of(patch, layer, quantity, spread, options.filled(model, profile))
+
+
+def _pressed(
+    config: "ReconstructorConfig", balls: list["Sphere"], name: str, seed: int
+) -> "tuple[Press, Floats]":
+    """What balls truly do to the layer, on a grid of its own, and noisy readings of it."""
+    from skinfield.simulate import press
+
+    patch, spread = config.patch, np.asarray(config.noise_std, np.float64)
+    extent = 2 * float(np.abs(patch.plane).max()) + 12e-3
+    true = press(config.layer, balls, extent=extent, cell=min(0.4e-3, extent / 40))
+    noise = np.random.default_rng(seed).normal(scale=spread, size=len(patch))
+    return true, true.readings(patch.plane, patch.pad_diameter, name) + noise
+
+
+def _plain(estimate: "Estimate", prepared: float | None) -> dict[str, Any]:
+    """What was found, and how long it took; not known where anything was compiled meanwhile."""
+    return {
+        "contacts": report.plain_contacts(estimate.contacts),
+        "solver": estimate.solver,
+        "prepared_s": prepared,
+        "latency_s": None if prepared is None else estimate.latency,
+    }
 
 
 def _latency(

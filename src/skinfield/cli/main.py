@@ -1,6 +1,9 @@
 """The command's entry point: one app, whose commands are loaded when they are called."""
 
+import atexit
+import gc
 import inspect
+import os
 import re
 import sys
 from collections.abc import Iterable, Sequence
@@ -14,6 +17,7 @@ from rich.box import Box
 
 from skinfield.cli.options import LIVE, check_values, flag_of, settings_in
 from skinfield.errors import FileError, SkinfieldError
+from skinfield.processes import ONE_THREAD
 from skinfield.settings import SettingError, nearest
 
 FAILED, INTERRUPTED = 2, 130  # exit codes: an error of the user's input, Ctrl-C
@@ -36,7 +40,7 @@ class Lazy(NamedTuple):
 
 LAB = {
     "experiments": Lazy("experiments:experiments", "Make the paper's figures anew, with a report."),
-    "cases": Lazy("cases:cases", "Write simulated cases to judge solvers by."),
+    "cases": Lazy("validate:cases", "Write simulated cases to judge solvers by."),
     "validate": Lazy("validate:validate", "Score a solver on cases whose truth is known."),
     "press": Lazy("press:press", "Press bodies of any shape on simulated skin."),
     "rig": Lazy("rig:rig", "Press a simulated skin on a virtual rig."),
@@ -189,6 +193,9 @@ def main(words: Sequence[str] | None = None) -> None:
     from threadpoolctl import threadpool_limits
 
     alone, words = words is None, sys.argv[1:] if words is None else words
+    if alone:  # for what is loaded later, such as SciPy's own BLAS: no limit is set there
+        os.environ.update({name: os.environ.get(name, one) for name, one in ONE_THREAD.items()})
+        atexit.register(gc.freeze)  # at the end no garbage is looked for: that takes half a second
     app = app_for(words)
     try:
         with threadpool_limits(limits=1):
@@ -214,13 +221,15 @@ def main(words: Sequence[str] | None = None) -> None:
 def interpret_first(given: Iterable[str]) -> None:
     """Interpret a machine's first demo, of the usual presses: compiling takes far longer.
 
-    It is for a process that does nothing else.
+    It is for a process that does nothing else. Garbage, which would take a tenth of its time to
+    look for, is left to the system.
     """
     from skinfield.compile_progress import is_compiled
     from skinfield.compiled import interpret
 
     if USUAL.issuperset(given) and not is_compiled(ANSWER):
         interpret()
+        gc.disable()
 
 
 def _console() -> Any:

@@ -111,13 +111,7 @@ def new(
         What covers the taxels: silicone, rubber, foam or fabric.
     """
     ask = Questions(yes)
-    report.check_output("--output", output, True, ".toml")
-    picture = report.picture_if_drawable(str(Path(output).with_suffix(".png")))
-    if positions is not None and picture is not None and Path(positions) == Path(picture):
-        raise InputError(f"{picture} is the positions and would be written over: choose another -o")
-    for name in filter(None, (output, picture)):
-        if Path(name).exists():
-            ask.confirm(f"{name} is there already: write over it?")
+    picture = _picture_beside(output, positions, ask)
     if calibration is not None:
         options.check_calibration(calibration)
     how = PlacesFlags(axes, lengths, pitch_mm, width_mm, pad_mm)
@@ -133,11 +127,6 @@ def new(
             check_unit(file, settings)
         settings, known = told_by_presses(file, settings)
     cover = _cover(ask, elastomer, material, where)
-    if cover.thickness_mm is not None and cover.thickness_mm * 1e-3 > THICKEST:
-        raise InputError(
-            f"--thickness-mm is {cover.thickness_mm:g}, expected {THICKEST * 1e3:g} at most: "
-            "through a thicker cover no taxel tells where it is pressed"
-        )
     tables = _tables(cover, calibration, settings)
     from skinfield.cli.new_report import NewSkin, finish_new
 
@@ -147,6 +136,21 @@ def new(
         settings, known,
     )  # fmt: skip
     finish_new(made, output, picture, as_json)
+
+
+def _picture_beside(output: str, positions: str | None, ask: Questions) -> str | None:
+    """Name of the picture beside a skin's file; None where none can be drawn.
+
+    What is there already may be written over, or nothing goes on.
+    """
+    report.check_output("--output", output, True, ".toml")
+    picture = report.picture_if_drawable(str(Path(output).with_suffix(".png")))
+    if positions is not None and picture is not None and Path(positions) == Path(picture):
+        raise InputError(f"{picture} is the positions and would be written over: choose another -o")
+    for name in filter(None, (output, picture)):
+        if Path(name).exists():
+            ask.confirm(f"{name} is there already: write over it?")
+    return picture
 
 
 def _there(text: str) -> str:
@@ -272,7 +276,6 @@ def _cover(ask: Questions, given: Elastomer, material: str | None, where: str) -
 
     profile = profile_of(given, None, layout_format(where) if Path(where).exists() else "")
     thick, ratio = given.thickness_mm, given.poisson
-
     if thick is None and ask.terminal:
         usual = f"{profile.thickness_mm:g}"
         thick = ask.answer(
@@ -286,6 +289,11 @@ def _cover(ask: Questions, given: Elastomer, material: str | None, where: str) -
         ratio = MATERIALS[str(word)]
     elif ratio is not None and material is not None:
         raise InputError("--material and --poisson were both given, expected one of them")
+    if thick is not None and thick * 1e-3 > THICKEST:
+        raise InputError(
+            f"--thickness-mm is {thick:g}, expected {THICKEST * 1e3:g} at most: "
+            "through a thicker cover no taxel tells where it is pressed"
+        )
     return replace(given, profile=profile.name if given.profile == "auto" else given.profile,
                    thickness_mm=thick, poisson=ratio)  # fmt: skip
 

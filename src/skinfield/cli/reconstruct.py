@@ -1,11 +1,15 @@
-"""`skinfield reconstruct`: recordings become contacts and fields."""
+"""`skinfield reconstruct`: recordings to contacts and fields, lists of contacts to tracks."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NoReturn
 
+import numpy as np
+
 from skinfield.cli import options, report
+from skinfield.cli.report import Column
 from skinfield.cli.settings import Elastomer, ModelSettings
 from skinfield.errors import FileError, InputError
 from skinfield.estimate.contact_table import scale_of
@@ -14,8 +18,10 @@ from skinfield.plot import plural
 if TYPE_CHECKING:
     from skinfield import Estimate, Reconstructor
     from skinfield.cli.reconstruct_jobs import JobPlan
+    from skinfield.estimate import ContactList, TrackedContact
     from skinfield.files.manifest import Totals
     from skinfield.files.results import Results
+    from skinfield.wire.yarp import ContactLog
 
 ENDING = ".skinfield"
 OF_ONE = ("fields", "summary", "plot", "reading", "slice_")
@@ -99,15 +105,10 @@ def reconstruct(
         Into a DIR, store the fields of every reading, too, as Zarr.
     """
     flags = options.flags_set(reconstruct, dict(locals()))
-    from skinfield.cli.contact_lists import OPTIONS, are_contact_lists, follow_contacts
     from skinfield.cli.reconstruct_jobs import JobPlan, reconstruct_many
 
     folder = _folder_of(recording, output)
-    if folder is None and (odd := [flag for name, flag in flags if name in OF_MANY]):
-        _refuse(odd, "expected -o DIR, a name without an ending, into which workers write")
-    if folder is not None and (odd := [flag for name, flag in flags if name in OF_ONE]):
-        results = f"'skinfield reconstruct {folder}/NAME{ENDING}'"
-        _refuse(odd, f"expected none beside -o {folder}; ask its folders of results, as {results}")
+    _check_flags(flags, folder)
     if not recording:
         raise InputError("RECORDING is missing, expected one recording or more")
     if any(map(are_contact_lists, recording)):
@@ -122,27 +123,46 @@ def reconstruct(
         layout = recording[0]
     if layout is None and not are_results:
         raise InputError("--skin is missing, expected a layout file, or a generator by name")
-    plan = None
-    if layout is not None and not are_results:
-        plan = JobPlan.of(layout, patch, counts, elastomer, model)
+    plan = None if are_results else JobPlan.of(str(layout), patch, counts, elastomer, model)
     if plan is not None and folder is not None:
         many = options.processes(workers), scheduler
         reconstruct_many(recording, folder, plan, many, store_fields, as_json)
         return
+    _check_outputs(output, fields, summary, plot, force)
+    if plan is None:
+        _check_flags_of_results(flags, output)
+    _reconstruct_one(
+        recording[0], plan, output, fields=fields, summary=summary, plot=plot, reading=reading,
+        slice_=slice_, as_json=as_json,
+    )  # fmt: skip
+
+
+def _check_flags(flags: list[tuple[str, str]], folder: Path | None) -> None:
+    """Raise InputError for those of many recordings without a folder, or of one with it."""
+    if folder is None and (odd := [flag for name, flag in flags if name in OF_MANY]):
+        _refuse(odd, "expected -o DIR, a name without an ending, into which workers write")
+    if folder is not None and (odd := [flag for name, flag in flags if name in OF_ONE]):
+        results = f"'skinfield reconstruct {folder}/NAME{ENDING}'"
+        _refuse(odd, f"expected none beside -o {folder}; ask its folders of results, as {results}")
+
+
+def _check_outputs(
+    output: Sequence[str], fields: str | None, summary: str | None, plot: str | None, force: bool
+) -> None:
+    """Raise InputError unless these files can be written."""
     for name in output:
         report.check_output("--output", name, force, ".csv", ".parquet", ENDING)
     report.check_output("--fields", fields, force)
     report.check_output("--summary", summary, force, ".json")
     report.check_picture("--plot", plot, force)
-    if plan is None:
-        odd = [flag for name, flag in flags if name not in OF_RESULTS]
-        odd += [f"-o {Path(name).name}" for name in output if name.lower().endswith(ENDING)]
-        if odd:
-            _refuse(odd, "results were made with theirs; expected none, or the recording itself")
-    _reconstruct_one(
-        recording[0], plan, output, fields=fields, summary=summary, plot=plot, reading=reading,
-        slice_=slice_, as_json=as_json,
-    )  # fmt: skip
+
+
+def _check_flags_of_results(flags: list[tuple[str, str]], output: Sequence[str]) -> None:
+    """Raise InputError for those of how results are made, where they are made already."""
+    odd = [flag for name, flag in flags if name not in OF_RESULTS]
+    odd += [f"-o {Path(name).name}" for name in output if name.lower().endswith(ENDING)]
+    if odd:
+        _refuse(odd, "results were made with theirs; expected none, or the recording itself")
 
 
 def _refuse(flags: list[str], why: str) -> NoReturn:
@@ -210,9 +230,8 @@ def _reconstruct_one(
     as_json: bool,
 ) -> None:
     """Reconstruct a recording, or the results that it is where there is no plan."""
-    from skinfield.cli.reconstruct_jobs import parts, place_of, seconds_of, take_in
+    from skinfield.cli.reconstruct_jobs import place_of, seconds_of, take_in
     from skinfield.files import open_contacts, open_fields, write_summary
-    from skinfield.files.manifest import Totals
     from skinfield.files.results import read_results
     from skinfield.reconstruct.serialisation import CONTACTS
 
@@ -221,7 +240,6 @@ def _reconstruct_one(
     if len(stores) > 1:
         raise InputError(f"--output names two {ENDING} folders, expected one at most")
     parent = Path(names[0]).absolute().parent if names else None  # has room
-    totals = Totals()
     with ExitStack() as files:
         place = files.enter_context(place_of(stores[0] if stores else None, parent))
         tables = [files.enter_context(open_contacts(name)) for name in output if name not in stores]
@@ -238,14 +256,7 @@ def _reconstruct_one(
         readings = _readings_of(slice_, len(results), reading)
         if reading is not None and not (tables or fields or summary):
             readings = range(reading, reading + 1)
-        with report.progress("reconstructing", len(readings)) as step:
-            for part in parts(results, readings, bool(fields)):
-                for each in tables:
-                    each.write_rows(part.rows)
-                if series is not None and part.series is not None:
-                    series.write_series(results.config.grid, part.series)
-                totals.add(part.totals)
-                step(totals.readings)
+        totals = _write_parts(results, readings, tables, series)
         totals.peak = totals.peak if reading is None else reading
         best, values = results.estimate(totals.peak), results.values(totals.peak, totals.peak + 1)
         plain = _summary(results, totals, skipped, plan, seconds_of(results, readings))
@@ -256,6 +267,25 @@ def _reconstruct_one(
     if plot:
         report.save_picture(plot, best, values[0], results.config)
     report.finish(as_json, plain, names, _lines(plain, best, when))
+
+
+def _write_parts(
+    results: "Results", readings: range, tables: Sequence[Any], series: Any | None
+) -> "Totals":
+    """Write what readings give into tables and a series of fields, part by part; their totals."""
+    from skinfield.cli.reconstruct_jobs import parts
+    from skinfield.files.manifest import Totals
+
+    totals = Totals()
+    with report.progress("reconstructing", len(readings)) as step:
+        for part in parts(results, readings, series is not None):
+            for each in tables:
+                each.write_rows(part.rows)
+            if series is not None and part.series is not None:
+                series.write_series(results.config.grid, part.series)
+            totals.add(part.totals)
+            step(totals.readings)
+    return totals
 
 
 def _readings_of(text: str | None, count: int, shown: int | None) -> range:
@@ -340,3 +370,153 @@ def _summary(
         "latency_ms_per_reading": totals.seconds / count * 1e3,
         "notes": list(results.notes),
     }
+
+
+OPTIONS = ("layout", "patch", "output", "summary", "force", "as_json")  # that apply
+MOST = 12  # tracks that are shown
+TRACKS = (
+    Column("track", "track", decimals=0), Column("link", "body_part"),
+    Column("skin", "skin_part"), Column("from s", "first_s", decimals=2),
+    Column("to s", "last_s", decimals=2), Column("readings", "readings", decimals=0),
+    Column("highest force", "highest_force_N", decimals=2),
+    Column("moved mm", "moved_m", 1e3, 1),
+)  # fmt: skip
+
+
+def are_contact_lists(recording: str) -> bool:
+    """Whether a recording is a log of contact lists; what cannot be read is none."""
+    from skinfield.wire.yarp import is_contact_log
+
+    try:
+        return is_contact_log(recording)
+    except FileError:
+        return False
+
+
+@dataclass
+class Summary:
+    """What there is to say of the contacts of a log."""
+
+    readings: int = 0
+    touched: int = 0
+    left_out: int = 0
+    start_ns: int = 0
+    stamp_ns: int = 0
+    tracks: dict[int, dict[str, Any]] = field(default_factory=dict)
+    places: dict[int, Any] = field(default_factory=dict)  # where each began
+
+    @property
+    def seconds(self) -> float:
+        """From the first reading to the latest."""
+        return (self.stamp_ns - self.start_ns) / 1e9
+
+    def add(self, reading: "ContactList", tracked: Sequence["TrackedContact"]) -> None:
+        """Take in a reading and the tracks that it gave."""
+        self.start_ns = self.start_ns if self.readings else reading.stamp_ns
+        self.stamp_ns = reading.stamp_ns
+        self.readings += 1
+        self.touched += bool(reading.contacts)
+        self.left_out += len(reading.contacts)
+        for one in tracked:
+            if not one.is_coasting and one.track_id is not None:
+                self.left_out -= 1
+                self._add_to(one.track_id, one.measured)
+
+    def _add_to(self, track: int, sent: Any) -> None:
+        row = self.tracks.setdefault(
+            track,
+            {
+                "track": track, "body_part": f"{sent.body} {sent.link}", "skin_part": sent.skin,
+                "first_s": self.seconds, "readings": 0, "highest_force_N": 0.0, "moved_m": 0.0,
+            },
+        )  # fmt: skip
+        off = sent.position - self.places.setdefault(track, sent.position)
+        row["readings"] += 1
+        row["last_s"] = self.seconds
+        row["highest_force_N"] = max(row["highest_force_N"], sent.normal_force)
+        row["moved_m"] = max(row["moved_m"], float(np.linalg.norm(off)))
+
+
+def follow_contacts(
+    recording: str,
+    skin: tuple[str | None, str | None],
+    output: Sequence[str],
+    summary: str | None,
+    force: bool,
+    as_json: bool,
+) -> None:
+    """Follow the contacts of a log, and write each reading's with the numbers of their tracks.
+
+    `skin` is a layout and the name of a patch in it, whose taxels' distance counts.
+    """
+    from skinfield.estimate.contact_list import SPACING
+    from skinfield.files import write_summary
+    from skinfield.wire.yarp import open_contact_log
+
+    for name in output:
+        report.check_output("--output", name, force, ".csv", ".parquet")
+    report.check_output("--summary", summary, force, ".json")
+    layout, patch = skin
+    spacing = SPACING
+    if layout is not None:
+        spacing = options.patch_of(options.skin_from_text(layout), patch).pitch
+    with report.progress("following contacts") as step:
+        log = open_contact_log(recording, spacing=spacing, progress=step)
+        found = _follow(log, output)
+    notes = list(log.notes)
+    if found.left_out:
+        notes.append(f"{found.left_out} contacts were left out: of very many the strongest count")
+    report.say_notes(notes)
+    tracks = list(found.tracks.values())
+    plain = {
+        "recording": log.source,
+        "readings": found.readings,
+        "readings_with_contact": found.touched,
+        "duration_s": found.seconds,
+        "skipped_lines": log.skipped,
+        "passed_over": log.passed,
+        "spacing_m": spacing,
+        "tracks": tracks,
+        "notes": notes,
+    }
+    if summary:
+        write_summary(summary, plain)
+    line = (
+        f"{log.source}: {plural(found.readings, 'reading')} in {found.seconds:.2f} s, "
+        f"{found.touched} with contact, {log.skipped} lines skipped, {log.passed} passed over"
+    )
+    report.finish(as_json, plain, [*output, summary], [line, *_table(tracks)])
+
+
+def _follow(log: "ContactLog", output: Sequence[str]) -> Summary:
+    """Follow all contacts of a log into tables; InputError if there is no reading."""
+    from skinfield import Tracker
+    from skinfield.estimate.contact_table import LISTED_KINDS, rows_from_tracks
+    from skinfield.files.tables import TableFile
+
+    tracker, found = Tracker.for_lists(), Summary()
+    with ExitStack() as files:
+        tables = [files.enter_context(TableFile(name, LISTED_KINDS)) for name in output]
+        for reading in log.readings():
+            tracked = tracker(reading)
+            found.add(reading, tracked)
+            place = found.readings - 1, reading.stamp_ns, found.start_ns
+            rows = list(rows_from_tracks(tracked, *place)) if reading.contacts else []
+            for each in tables if rows else ():
+                each.add(list(zip(*rows, strict=True)), len(rows))
+        if not found.readings:
+            raise InputError(f"{log.source} holds no list of contacts, expected one or more")
+    return found
+
+
+def _table(rows: list[dict[str, Any]]) -> list[report.Shown]:
+    """The tracks, those first that lasted longest where there are too many."""
+    if not rows:
+        return ["no contact"]
+    longest = sorted(rows, key=lambda row: -row["readings"])[:MOST]
+    made = report.table_of(
+        plural(len(rows), "track"), sorted(longest, key=lambda row: row["track"]), TRACKS
+    )
+    if len(rows) > MOST:
+        made.caption = f"and {len(rows) - MOST} shorter ones"
+    return [made]

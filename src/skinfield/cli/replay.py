@@ -1,21 +1,27 @@
 """`skinfield replay` and `view`: the page of a recording, or of skins elsewhere."""
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, closing, contextmanager, nullcontext
 from dataclasses import replace as with_other
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 from rich.console import Console
 
 from skinfield.bridges.settings import ZenohAddresses
+from skinfield.bridges.zenoh.source import ZenohSource
 from skinfield.cli.options import Duration, Json, McapFile, Page, part
 from skinfield.cli.report import note, print_json, say, show_address, signals_end
 from skinfield.errors import InputError
+from skinfield.page.controller import Controller
 from skinfield.page.settings import PageSettings
+from skinfield.page.source import DataSource, EngineView
 from skinfield.settings import Positive
+
+if TYPE_CHECKING:
+    from skinfield.bridges.zenoh.discovery import ZenohSources
 
 REFRESH = 0.25  # s between pictures of the table
 DAMAGE = 3  # places that are named
@@ -168,7 +174,6 @@ def opened(file: str, console: Console, speed: float | None = None) -> Iterator[
 def _elsewhere(zenoh: ZenohAddresses) -> Iterator[tuple[Any, Any]]:
     """Sources and controller of skins that are reached over zenoh."""
     from skinfield.bridges.launch import zenoh_sources
-    from skinfield.cli.remote import RemoteController
 
     with zenoh_sources(zenoh) as elsewhere:
         yield elsewhere.sources, RemoteController(elsewhere)
@@ -227,3 +232,40 @@ def _line(cycle: Any, first_ns: int, patches: list[str]) -> dict[str, Any]:
         "force": float(cycle.patches["force"].sum()),
         "contacts": plain_contacts(patches, cycle.contacts),
     }
+
+
+NOBODY = "no skin was heard of yet: does one run with --zenoh, where this machine reaches it?"
+
+
+class RemoteController(Controller):
+    """See `Controller`."""
+
+    def __init__(self, found: "ZenohSources") -> None:
+        super().__init__()
+        self._found = found
+        self._noted: dict[str, str] = {}
+
+    def notices(self) -> list[tuple[str, str]]:
+        """See `Controller`; and why an engine that can be seen is not shown, once."""
+        notes = dict(self._found.notes)
+        for name, why in notes.items():
+            if self._noted.get(name) != why:
+                self.say("warn", f"{name} is not shown: {why}")
+        self._noted = notes
+        return super().notices()
+
+    def controls(self) -> dict[str, Any]:
+        """See `Controller`; why nothing is shown is told as long as that is so."""
+        fields = super().controls()
+        if not self._found.sources():
+            notes = dict(self._found.notes)
+            whys = [f"{name} is not shown: {why}" for name, why in notes.items()]
+            fields["busy"] = "; ".join(whys) or NOBODY
+        return fields
+
+    def views(self, sources: Sequence[DataSource]) -> list[EngineView]:
+        """See `Controller`."""
+        return [
+            EngineView(source.latest(), isinstance(source, ZenohSource) and source.gone, True)
+            for source in sources
+        ]

@@ -10,6 +10,7 @@ import time
 import webbrowser
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -316,14 +317,21 @@ def save_picture(
     reading: Floats,
     config: "ReconstructorConfig",
     truth: Sequence[tuple[Any, Any, float]] = (),
+    note: str = "",
 ) -> None:
-    """Draw an estimate and its reading, in the units that people read."""
+    """Draw an estimate and its reading, in the units that people read.
+
+    A note stands in place of a latency that is not one of compiled code.
+    """
     from skinfield.estimate.plot import draw_estimate
-    from skinfield.plot import save
+    from skinfield.plot import QUIET, save
 
     unit = {"1": "%", "Pa": "kPa"}[config.quantity.unit]
     names = {"quantity_name": config.quantity.symbol, "quantity_unit": unit}
-    save(draw_estimate(estimate, reading, truth=truth, **names), path)
+    shown = replace(estimate, latency=math.nan) if note else estimate
+    figure = draw_estimate(shown, reading, truth=truth, **names)
+    figure.text(0.98, 0.02, note, ha="right", color=QUIET, fontsize=8.5)
+    save(figure, path)
 
 
 @contextmanager

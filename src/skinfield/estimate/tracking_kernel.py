@@ -88,15 +88,21 @@ def track(memory: TrackMemory, count: int, now: int) -> None:
     for place in range(words[TOP]):
         if tracks[place].state == TENTATIVE:
             confirm(memory, place)
-    top = 0
+    finish_reading(memory)
+
+
+@inner
+def finish_reading(memory: TrackMemory) -> None:
+    """Watch for slip, name columns as contacts came, forget places beyond the last track."""
+    words, top = memory.words, 0
     for place in range(words[TOP]):
-        known = tracks[place]
+        known = memory.tracks[place]
         if known.state != FREE:
             top = place + 1
         if known.column >= 0:
             if known.state == CONFIRMED:
                 watch_slip(memory, place)
-            known.column = contacts[known.column].origin
+            known.column = memory.contacts[known.column].origin
     words[TOP] = top
 
 

@@ -13,7 +13,7 @@ from skinfield.lab.cases import NOTHING, Case, truth_of_press
 from skinfield.reconstruct.diagnostics import Conditioning, condition
 from skinfield.simulate import Finger, Press, press
 from skinfield.simulate.electronics import CySkinBoard, Electronics, cyskin_electronics, recording
-from skinfield.simulate.electronics.thermal import ROOM
+from skinfield.simulate.electronics.noise import ROOM
 from skinfield.simulate.habits import REAL, Habits, habits_by_name
 from skinfield.simulate.rig import Pose
 from skinfield.skin import Patch

@@ -126,6 +126,7 @@ class EngineProcess:
         self.waiter: Waiter = PeriodicClock(STARTING_NS)
         self.reset = True  # whether the next answer begins without knowledge of those before
         self.began = False
+        self.replaced: Updater | None = None  # by a better one, in this cycle
         self.again: BaselineCollector | None = None
         self.prefetch: Prefetch | None = None
         self.taken = 0  # messages, before the cycle
@@ -272,7 +273,7 @@ class EngineProcess:
         if self.last is not None:  # nearer to what this solver finds than linear answers since
             made.resume(self.last)
         made.tune(self.tuning)
-        self.updater, self.reset, self.began = made, True, True
+        self.updater, self.reset, self.began, self.replaced = made, True, True, before
         linear_s = round((time.monotonic_ns() - self.running_ns) * NS, 3)
         self._note(progress={}, solver=type(made.model_config.solver).__name__, linear_s=linear_s)
 
@@ -317,10 +318,14 @@ class EngineProcess:
             self._note(readings=found)
 
     def _without_answer(self, slot: CycleSlot) -> None:
-        """A slot that says that all patches are missing."""
-        say_nothing(slot, int(self.ring.status["tracks"][0]))
+        """A slot that says that all patches are missing; as before, where a solver was replaced."""
+        replaced, self.replaced = self.replaced, None
+        if replaced is not None:
+            replaced.repeat(self.intake.channels, slot)
+        else:
+            say_nothing(slot, int(self.ring.status["tracks"][0]))
+            slot.counts[:] = self.intake.channels.counts[self.channel]
         slot.head[CycleHead.READY_NS] = time.monotonic_ns()
-        slot.counts[:] = self.intake.channels.counts[self.channel]
         self.ring.publish()
         self.ring.heartbeat(time.monotonic_ns())
 

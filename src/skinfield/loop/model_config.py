@@ -8,6 +8,7 @@ from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.elastic import Layer, Mechanics, Quantity
 from skinfield.errors import FileError, Floats, InputError, Ints
@@ -366,15 +367,38 @@ class Models:
         pressure = np.zeros(len(grid))
         if answer >= int(Answer.LINEAR):
             pressure[:] = slot.pressure[patch, : len(grid)]
-        taxels = slice(self.starts[patch], self.starts[patch + 1])
+        valid = slot.valid[self._taxels(patch)].astype(np.bool_)
+        return Estimate.later(
+            self._on_demand(slot, patch, grid, pressure, valid),
+            grid=grid,
+            pressure=pressure,
+            valid=valid,
+            latency=latency,
+            stamp_ns=int(row["stamp_ns"]),
+            gap=float(row["gap"]),
+            iterations=int(row["iterations"]),
+            deadline_met=not late,
+            solver=self.solver_of(answer),
+            notes=notes,
+            is_field=answer != int(Answer.CONTACTS),
+            relative=model_config.relative,
+        )
+
+    def _taxels(self, patch: int) -> slice:
+        return slice(self.starts[patch], self.starts[patch + 1])
+
+    def _on_demand(
+        self, slot: CycleSlot, patch: int, grid: Grid, pressure: Floats, valid: NDArray[np.bool_]
+    ) -> dict[str, Callable[[], Any]]:
+        """What an estimate has beside its pressure, by name, each computed when it is called."""
+        row, taxels = slot.patches[patch], self._taxels(patch)
+        answer, gap, steps = int(row["answer"]), float(row["gap"]), int(row["iterations"])
         values = slot.values[taxels].astype(np.float64)
-        linear = np.array(model_config.quantity.linearise(values, np.empty_like(values)))
-        valid = slot.valid[taxels].astype(np.bool_)
-        gap, steps = float(row["gap"]), int(row["iterations"])
+        linear = np.array(self.model_config.quantity.linearise(values, np.empty_like(values)))
 
         @cache
         def rest() -> dict[str, Callable[[], Any]]:  # for which a patch is prepared
-            step = self._rung(patch, nodes)
+            step = self._rung(patch, grid.shape[0])
             operator = step.operator
             name = type(operator.solver).__name__
             solution = Solution(pressure, linear, name, operator, gap, steps=steps)
@@ -395,21 +419,7 @@ class Models:
             later["readings"] = lambda: values
             later["readings_std"] = lambda: self.noise_std[taxels].copy()
         later["traction"] = lambda: -pressure[:, None] * grid.normals
-        return Estimate.later(
-            later,
-            grid=grid,
-            pressure=pressure,
-            valid=valid,
-            latency=latency,
-            stamp_ns=int(row["stamp_ns"]),
-            gap=gap,
-            iterations=steps,
-            deadline_met=not late,
-            solver=self.solver_of(answer),
-            notes=notes,
-            is_field=answer != int(Answer.CONTACTS),
-            relative=model_config.relative,
-        )
+        return later
 
     def _rung(self, patch: int, nodes: int) -> Rung:
         rungs = self.rungs[self.model_config.skin[patch].name]

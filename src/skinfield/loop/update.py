@@ -246,6 +246,13 @@ class Updater:
         self._publish(channels, slot)
         return fresh > 0
 
+    def repeat(self, channels: Channels, slot: CycleSlot) -> None:
+        """Write what was answered last into a slot; new readings wait for the next answer."""
+        head, kept = slot.head, self._kept
+        head[CycleHead.FLAGS] = head[CycleHead.FRESH] = kept.patches["fresh"] = 0
+        head[CycleHead.CONTACTS] = int(kept.patches["contacts"].sum())
+        self._publish(channels, slot)
+
     def _run(self, budget: float | None) -> None:
         """Answer what was taken in, less where taxels rest, which is followed."""
         if not self._follows:

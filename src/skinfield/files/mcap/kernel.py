@@ -26,6 +26,15 @@ def put_row(row: Floats, fresh: Octets, status: Octets, out: Floats) -> None:
 
 
 @njit
+def is_in_row(column: Ints, first: int, count: int, fresh: Octets) -> bool:
+    """Whether the row has one of these channels already."""
+    found = False
+    for i in range(first, first + count):
+        found = found or (column[i] >= 0 and fresh[column[i]] > 0)
+    return found
+
+
+@njit
 def scan(
     words: Words,
     octets: Octets,
@@ -78,11 +87,7 @@ def scan(
             return -at - 1, rows
         count = max(min(count, len(column) - first), 0)
         if kind in (BYTES, SHORTS, FLOATS):
-            again = False
-            for i in range(count):
-                k = column[first + i]
-                again = again or (k >= 0 and fresh[k] > 0)
-            if again:
+            if is_in_row(column, first, count, fresh):
                 if rows == len(out):
                     return at, rows
                 put_row(row, fresh, status, out[rows])

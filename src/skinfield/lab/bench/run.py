@@ -10,17 +10,22 @@ from typing import Any
 import numpy as np
 
 from skinfield.errors import Floats
-from skinfield.lab.bench.contenders import (
+from skinfield.lab.bench.machine import Watch, laps, spread, this_machine, undisturbed, warnings
+from skinfield.lab.bench.scene import (
+    FIT_DEADLINES,
+    GAPS,
+    LEAD,
+    BenchScene,
+    BenchSize,
     Contender,
     Laps,
     gaussian,
     iterative,
+    make_scene,
     model_of,
     paper_prepared,
     run_chain,
 )
-from skinfield.lab.bench.machine import Watch, laps, spread, this_machine, undisturbed, warnings
-from skinfield.lab.bench.scene import FIT_DEADLINES, GAPS, LEAD, BenchScene, BenchSize, make_scene
 from skinfield.lab.cases import TrueContact
 from skinfield.lab.paper import LAYER, paper_patch, reconstruct_as_paper, stress_matrix
 from skinfield.lab.score import matched

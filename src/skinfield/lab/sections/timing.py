@@ -32,14 +32,14 @@ def timing(settings: Effort) -> Chapter:
         name=settings.name, grids=grids, readings=1, rounds=1, paper_laps=count,
         laps=PREPARED_LAPS * count, steps=1,
     )  # fmt: skip
-    shape = (1, len(paper_patch()))
-    readings = np.random.default_rng(settings.seed).normal(scale=1e3, size=shape)
+    rng = np.random.default_rng(settings.seed)
+    readings = rng.normal(scale=1e3, size=(1, len(paper_patch())))
     rows = grid_rows(size, lambda nodes: methods_of_paper(size, readings, nodes))
     times = {name: [r["seconds_us"] for r in rows if r["name"] == name] for name in NAMES}
     paper, inversion, ours = times.values()
     fastest = np.array([[one["min"] for one in each] for each in (paper, inversion)])
     power, about_power, about_exponential = exponents(grids, fastest[0])
-    shares, rest = fastest[1] / fastest[0], np.maximum(fastest[0] - fastest[1], 0.0)
+    rest = np.maximum(fastest[0] - fastest[1], 0.0) * 1e-3
     deviation = max(one["std"] / one["mean"] for one in paper)
     gains = [one["p50"] / other["p50"] for one, other in zip(paper, ours, strict=True)]
     return Chapter(
@@ -54,8 +54,8 @@ def timing(settings: Effort) -> Chapter:
             f"Of the fastest laps, a power law of the number of nodes is off by "
             f"{100 * about_power:.0f} % of the time, an exponential by "
             f"{100 * about_exponential:.0f} %; all but the inversion takes "
-            f"{', '.join(number(1e-3 * each, 2) for each in rest)} ms, from the coarsest grid to "
-            "the finest.",
+            f"{', '.join(number(each, 2) for each in rest)} ms, from the coarsest grid to the "
+            "finest.",
         ),
         pictures=(_picture(grids, times),),
         tables=(_table(grids, times, gains),),
@@ -74,18 +74,19 @@ def timing(settings: Effort) -> Chapter:
                 f"at most {100 * deviation:.0f} % of the mean",
                 verdict_of(deviation < NEGLIGIBLE, no="does not hold on this machine"),
             ),
-            Claim(
-                "9",
-                "most of the time is the inversion",
-                f"{spread_in_words(shares.tolist(), '%', 100.0)}, most on the finest grid",
-                "holds"
-                if min(shares) > 0.5
-                else "holds only on fine grids"
-                if shares[-1] > 0.5
-                else "does not hold in NumPy",
-            ),
+            _of_inversion(fastest[1] / fastest[0]),
         ),
     )
+
+
+def _of_inversion(shares: Floats) -> Claim:
+    """Whether most of the time is the inversion, by its share on each grid."""
+    words = f"{spread_in_words(shares.tolist(), '%', 100.0)}, most on the finest grid"
+    if min(shares) > 0.5:
+        verdict = "holds"
+    else:
+        verdict = "holds only on fine grids" if shares[-1] > 0.5 else "does not hold in NumPy"
+    return Claim("9", "most of the time is the inversion", words, verdict)
 
 
 def exponents(grids: tuple[int, ...], times: Floats) -> tuple[float, float, float]:

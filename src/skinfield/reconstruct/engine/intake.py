@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from skinfield.elastic import Capacitance, Quantity
 from skinfield.errors import Floats, InputError, as_floats
-from skinfield.reconstruct.engine.idle_test import Singles
-from skinfield.reconstruct.engine.patch_kinds import check_names
+from skinfield.reconstruct.engine.patch_kinds import Singles, check_names
 from skinfield.skin import Patch
 
 Readings = Mapping[str, ArrayLike] | Sequence[ArrayLike]

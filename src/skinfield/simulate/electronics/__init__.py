@@ -17,4 +17,4 @@ from skinfield.simulate.electronics.delivery import Delivery as Delivery
 from skinfield.simulate.electronics.delivery import Sampling as Sampling
 from skinfield.simulate.electronics.hysteresis import Hysteresis as Hysteresis
 from skinfield.simulate.electronics.noise import Noise as Noise
-from skinfield.simulate.electronics.thermal import ThermalDrift as ThermalDrift
+from skinfield.simulate.electronics.noise import ThermalDrift as ThermalDrift

@@ -21,8 +21,7 @@ from skinfield.signal import Calibration
 from skinfield.simulate.electronics.board import Board, CySkinBoard, ICubBoard, LinearBoard
 from skinfield.simulate.electronics.delivery import CrossTalk, Delivery, Sampling, Wiring, wiring
 from skinfield.simulate.electronics.hysteresis import Hysteresis
-from skinfield.simulate.electronics.noise import Noise
-from skinfield.simulate.electronics.thermal import ThermalDrift
+from skinfield.simulate.electronics.noise import Noise, ThermalDrift
 from skinfield.skin import Patch
 from skinfield.skin.reading import Recording
 

@@ -21,7 +21,7 @@ from skinfield.errors import (
 )
 from skinfield.settings import Positive, Range, Section
 from skinfield.simulate.electronics.array import Electronics, icub_electronics
-from skinfield.simulate.electronics.thermal import ROOM
+from skinfield.simulate.electronics.noise import ROOM
 from skinfield.simulate.habits import Habits, Tolerances
 from skinfield.simulate.indenters.body import Indenter
 from skinfield.simulate.indenters.shapes import Sphere

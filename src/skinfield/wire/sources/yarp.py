@@ -19,7 +19,7 @@ from skinfield.signal.blocks import Full
 from skinfield.wire.links import DialledLink, LinkAddress, host_and_port, resolved
 from skinfield.wire.sources.streams import LinkedStream
 from skinfield.wire.yarp.carriers import Carrier, Lines, checked_name, greeting, message
-from skinfield.wire.yarp.name_server import PORT, NameReply, request_bytes
+from skinfield.wire.yarp.port import PORT, NameReply, request_bytes
 
 PIECE = 1 << 16  # bytes that are read at once
 BYTES_PER_NUMBER = 32  # of text, at most: what YARP writes has 25

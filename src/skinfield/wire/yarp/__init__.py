@@ -14,7 +14,7 @@ from skinfield.wire.yarp.contacts import SkinPart as SkinPart
 from skinfield.wire.yarp.contacts import part_of as part_of
 from skinfield.wire.yarp.contacts import parts_of as parts_of
 from skinfield.wire.yarp.contacts import port_of as port_of
-from skinfield.wire.yarp.name_server import PORT as PORT
-from skinfield.wire.yarp.name_server import NameReply as NameReply
-from skinfield.wire.yarp.name_server import NameServer as NameServer
+from skinfield.wire.yarp.port import PORT as PORT
+from skinfield.wire.yarp.port import NameReply as NameReply
+from skinfield.wire.yarp.port import NameServer as NameServer
 from skinfield.wire.yarp.port import Port as Port
