@@ -9,7 +9,7 @@ import pytest
 from engine_clock import engine_of, readings_of
 from hypothesis import given
 from hypothesis import strategies as st
-from live_skins import LAYER, REST, Ticking, cycle_of, pressed_counts, settings
+from live_skins import GAIN, LAYER, REST, Ticking, cycle_of, pressed_counts, settings
 from numpy.testing import assert_allclose, assert_array_equal
 
 import skinfield as sf
@@ -405,6 +405,30 @@ def test_an_engine_that_takes_over_knows_the_contacts_of_the_one_before(updater:
         after = answered(updater, pressed[:1], first=3)[0]
         assert after.used_contacts()["track"].tolist() == [track if resumed else 101]
     assert counted[0] == 101
+
+
+def test_contacts_keep_their_numbers_when_the_fit_follows_linear_answers(updater: Updater) -> None:
+    places = [(-9e-3, 2e-3), (13e-3, 5e-3), (0.0, 13e-3), (4e-3, -12e-3)]
+    pressed = REST + sum(pressed_counts(1.0, at) - REST for at in places)
+    before = answered(updater, np.tile(pressed, (4, 1)))[-1]
+    linear = cycle_of(settings(solver=GaussianField()))
+    linear.count_in(np.array([4]))
+    linear.resume(before)
+    since = answered(linear, np.tile(pressed, (20, 1)), first=900)[-1]
+    assert since.patches["answer"][0] == int(Answer.LINEAR)
+    updater.take_over(linear, np.tile([REST, GAIN, 0.6, 1.0], (72, 1)))
+    updater.recall(before)
+    after = answered(updater, np.tile(pressed, (2, 1)), first=1100)[-1]
+    assert after.patches["answer"][0] == int(Answer.CONTACTS)
+    known = []
+    for slot in before, since, after:
+        rows = slot.used_contacts()
+        x, y = rows["x"][:, None], rows["y"][:, None]
+        nearest = np.hypot(x - np.array(places)[:, 0], y - np.array(places)[:, 1]).argmin(axis=1)
+        known.append(dict(zip(nearest.tolist(), rows["track"].tolist(), strict=True)))
+    assert known == [known[0]] * 3
+    assert sorted(known[0].values()) == [1, 2, 3, 4]
+    assert_allclose(after.used_contacts()["age"], (1101 * STEP) * 1e-9, atol=1e-6)
 
 
 @pytest.mark.parametrize(("gone", "same"), [(0.05, True), (0.3, False)])

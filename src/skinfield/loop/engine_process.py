@@ -269,8 +269,8 @@ class EngineProcess:
             self._note(progress={}, failed=f"{failed}, {solver} goes on: {error}")
             return
         made.take_over(before, self.ring.status["calibration"])
-        if self.last is not None:  # nearer to what this solver finds than linear answers since
-            made.resume(self.last)
+        if self.last is not None:
+            made.recall(self.last)
         made.tune(self.tuning)
         self.updater, self.reset, self.began = made, True, True
         linear_s = round((time.monotonic_ns() - self.running_ns) * NS, 3)

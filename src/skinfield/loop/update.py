@@ -191,6 +191,25 @@ class Updater:
                 np.copyto(getattr(kept, name), getattr(slot, name))
             self.tracks[0] = max(self.tracks[0], slot.patches["tracks"][0])
 
+    def recall(self, slot: CycleSlot) -> None:
+        """Have contacts of another engine's cycle go on, which coarser answers followed since.
+
+        Those of the same numbers stand in their place: nearer to what this solver finds. What
+        those answers did not tell apart goes on beside them, as long as there is room.
+        """
+        kept = self._kept
+        known = kept.patches, kept.contacts, slot.patches, slot.contacts
+        for row, rows, then, its in zip(*known, strict=True):
+            count = min(int(row["contacts"]), len(rows))
+            since = 1e-9 * int(row["stamp_ns"] - then["stamp_ns"])
+            for contact in its[: then["contacts"]]:
+                same = np.flatnonzero(rows["track"][:count] == contact["track"])
+                place = int(same[0]) if len(same) else count
+                if place < len(rows):
+                    rows[place], count = contact, max(count, place + 1)
+                    rows[place]["age"] += since
+            row["contacts"] = count
+
     def answer(
         self,
         channels: Channels,
