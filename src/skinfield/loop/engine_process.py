@@ -308,13 +308,16 @@ class EngineProcess:
         self.began = False
 
     def _note_what_is_new(self) -> None:
-        """Publish what the sources and the solver say in words, where that is new."""
+        """Publish what the sources and the solver say, and what searches last, where new."""
         said = self.intake.sentences()
         if said != self.notes.get("sources", []):
             self._note(sources=said)
         found = {} if self.updater is None else self.updater.engine.notes
         if found != self.notes.get("readings", {}):
             self._note(readings=found)
+        lasting = {} if self.updater is None else self.updater.unfinished(time.time_ns())
+        if lasting != self.notes.get("searching", {}):
+            self._note(searching=lasting)
 
     def _without_answer(self, slot: CycleSlot) -> None:
         """A slot that says that all patches are missing."""
