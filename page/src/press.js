@@ -1,7 +1,7 @@
 // The panel of the virtual indenter, and what gestures on the skin do with it.
 import { Pending } from "./pending.js";
 import { able } from "./controls.js";
-import { byId, clamp, element, setOptions, setText } from "./dom.js";
+import { byId, clamp, element, setOptions, setText, touches } from "./dom.js";
 import { PressGestures } from "./gestures.js";
 import { notice } from "./notices.js";
 
@@ -216,7 +216,7 @@ export class PressPanel {
     if (!why) able(byId("press-scene"), scenes.length ? null : "this skin has no scenes");
     document.body.classList.toggle("no-press", !this.#limits);
     byId("press-panel").classList.toggle("is-off", Boolean(why));
-    setText(byId("press-note"), why ?? "click stays · hold lifts · Shift adds");
+    setText(byId("press-note"), why ?? (touches() ? "tap stays · hold lifts" : "click stays · hold lifts · Shift adds"));
   }
 
   #showScene() {
