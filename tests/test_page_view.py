@@ -138,6 +138,23 @@ def test_its_timeline_is_drawn_and_its_contacts_are_saved(look: Look, made: list
     assert look.accessible() == []
 
 
+def test_the_force_before_where_it_is_gone_to_is_plotted(look: Look, made: list[Known]) -> None:
+    look.stand_still()
+    for time_s in (0.1, 2.5):  # nothing was played in between
+        look.seek(time_s)
+    box = look.at("force-plot").bounding_box()
+    a_second = (box["width"] - 50) / 10  # beside the axis
+    look.page.mouse.move(box["x"] + box["width"] - 10 - a_second, box["y"] + 40)
+    tip = look.until("document.querySelector('#force-plot .plot-tip')?.innerText").split("\n")
+    before = float(tip[0].removesuffix(" s").replace("−", "-"))
+    assert before == pytest.approx(-1.0, abs=0.15)
+    place = round((2.5 + before) * SECOND / PERIOD)
+    near = [each.force for each in made[place - 10 : place + 11]]
+    assert min(near) - 0.01 < sum(map(float, tip[1:])) < max(near) + 0.01
+    look.shoot("force-before")
+    look.page.mouse.move(2, 2)
+
+
 def test_several_browsers_play_it_together(browser: Any, view: Served, look: Look) -> None:
     with looking(browser) as other:
         other.open(view.address)
