@@ -91,7 +91,7 @@ def test_a_press_without_time_is_found_in_cycles_without_a_reading(made) -> None
     channels.apply(fed(pressed_counts(1.0), later))
     assert made.answer(channels, later, slot, reset=True, budget=1e-6)
     assert slot.patches["answer"][0] == int(Answer.LINEAR)
-    assert made.unfinished(later + 10**9) == {}  # not for long
+    assert made.unfinished(later + 5 * 10**8) == {}  # not for long
     assert made.unfinished(later + 3 * 10**9) == {made.engine.names[0]: 3}
     channels.apply(fed(pressed_counts(1.0)[:36], later + 10**6))  # half of the next reading
     assert not made.answer(channels, later + 10**6, slot, budget=1.0)

@@ -69,7 +69,7 @@ DOUBT = 2.0  # times less noise there may be than was found: it is what smooths 
 KEEPS = 3  # times the age at which a reading is too old: an answer outlives a short pause
 HALF_INTERVAL = 10  # of a taxel fits so often into the age at which its reading is too old
 MOST_PATIENCE_NS = 20_000_000
-LONG = 2.0  # s, of a search that is said to last
+LONG = 1.0  # s, of a search that is said to last
 
 
 class Updater:
