@@ -311,6 +311,17 @@ def page(browser: Any) -> Any:
     return page
 
 
+FRAMES = """new Promise((done) => {  // three pictures later
+    const next = (left) => (left ? requestAnimationFrame(() => next(left - 1)) : done());
+    next(3); })"""
+
+
+def resize(page: Any, size: dict[str, int]) -> None:
+    """Give the window a size, and wait until the page shows it."""
+    page.set_viewport_size(size)
+    page.evaluate(f"{FRAMES}.then(() => skinfield.scene.whenDrawn())")
+
+
 def answer(route: Any, shipped: Any) -> None:
     name = route.request.url.removeprefix(SITE) or "index.html"
     part = shipped / name
@@ -402,11 +413,9 @@ FILLED = """(colour) => {
 def test_the_skin_fills_the_picture(page: Any, size: dict[str, int]) -> None:
     """In the direction that limits it, also after the window has changed."""
     colours_at(page, FLAT)
-    page.set_viewport_size(size)
-    page.wait_for_timeout(150)
+    resize(page, size)
     across, along = page.evaluate(FILLED, SKIN["dark"])
-    page.set_viewport_size(DESK)
-    page.wait_for_timeout(150)
+    resize(page, DESK)
     assert 0.80 < max(across, along) < 0.97
     assert min(across, along) > 0.3
 
@@ -467,8 +476,7 @@ TOUCHES = """(places) => {
 def test_labels_cover_neither_each_other_nor_the_ellipse_of_a_place(
     page: Any, places: list[tuple[float, float]], width: int, height: int
 ) -> None:
-    page.set_viewport_size({"width": width, "height": height})
-    page.wait_for_timeout(150)
+    resize(page, {"width": width, "height": height})
     try:
         page.evaluate(TOUCHES, places)
         shown, covered = page.evaluate(LABELS)
@@ -478,8 +486,7 @@ def test_labels_cover_neither_each_other_nor_the_ellipse_of_a_place(
     finally:
         page.evaluate("""() => { const { scene } = skinfield;
           scene.marks.contacts = scene.marks.truth = []; scene.showLabels(false); }""")
-        page.set_viewport_size(DESK)
-        page.wait_for_timeout(150)
+        resize(page, DESK)
 
 
 def test_a_patch_without_reading_is_grey(page: Any) -> None:
@@ -516,24 +523,28 @@ def test_a_dead_taxel_is_a_cross_over_what_it_would_read(page: Any) -> None:
 
 def test_nothing_is_drawn_while_nothing_changes(page: Any) -> None:
     colours_at(page, FLAT)
-    page.wait_for_timeout(300)
-    before = page.evaluate("skinfield.scene.drawn")
-    page.wait_for_timeout(400)
-    assert page.evaluate("skinfield.scene.drawn") == before
+    drawn = [page.evaluate(f"{FRAMES}.then(() => skinfield.scene.drawn)") for _ in range(30)]
+    assert drawn[-1] == drawn[10]
 
 
 def test_a_lost_picture_comes_back(page: Any) -> None:
     before = colours_at(page, [*FLAT, (1.0, 1.0)], 0.77)
     lose = "window.lost = skinfield.scene.picture.renderer.getContext()"
     page.evaluate(f"{lose}.getExtension('WEBGL_lose_context'), lost.loseContext()")
-    page.wait_for_timeout(200)
-    page.evaluate("lost.restoreContext()")
+    is_lost = "skinfield.scene.picture.renderer.getContext().isContextLost()"
+    for state in (True, False):
+        for _ in range(200):
+            if page.evaluate(is_lost) == state:
+                break
+            page.wait_for_timeout(50)
+        if state:
+            page.evaluate("lost.restoreContext()")
     for _ in range(200):
-        if not page.evaluate("skinfield.scene.picture.renderer.getContext().isContextLost()"):
+        after = colours_at(page, [*FLAT, (1.0, 1.0)], 0.77)
+        if np.array_equal(after, before):
             break
         page.wait_for_timeout(50)
-    page.wait_for_timeout(200)
-    assert np.array_equal(colours_at(page, [*FLAT, (1.0, 1.0)], 0.77), before)
+    assert np.array_equal(after, before)
 
 
 def test_a_place_and_its_pixel_find_each_other(page: Any) -> None:
