@@ -101,6 +101,25 @@ def test_a_press_without_time_is_found_in_cycles_without_a_reading(made) -> None
     assert made.unfinished(later + 3 * 10**9) == {}
 
 
+def test_what_an_unfinished_search_has_not_found_is_no_drift(
+    updater: Updater, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pressed, run, settled = pressed_counts(1.0), updater.engine.run, updater.engine.results.settled
+
+    def unfinished(*args, **known):
+        run(*args, **known)
+        settled[:] = False
+
+    before = updater._drift.known
+    with monkeypatch.context() as patched:
+        patched.setattr(updater.engine, "run", unfinished)
+        slot = answered(updater, np.tile(pressed, (2, 1)))[-1]
+        assert slot.patches["answer"][0] == int(Answer.CONTACTS)
+        assert_array_equal(updater._drift.known, before)
+    answered(updater, np.tile(pressed, (2, 1)), first=2)
+    assert (updater._drift.known != before).any()
+
+
 def test_half_a_reading_waits_for_the_other_half_but_not_for_ever(made) -> None:
     channels, slot = Channels(72), CycleSlot.empty(made.sizes)
     channels.apply(fed(np.full(72, 240), NOW))

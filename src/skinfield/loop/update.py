@@ -361,7 +361,8 @@ class Updater:
             if results.answer[patch] > IDLE:
                 pressure = results.pressure_of(patch)
                 kept.pressure[patch, : len(pressure)] = pressure
-            if self._follows and results.answer[patch] == FOUND:
+            ended = results.settled[patch]  # else what was not found yet would be drift
+            if self._follows and ended and results.answer[patch] == FOUND:
                 its = slice(*self._binding.starts[patch : patch + 2])
                 known = self._given[its], int(self._newest[patch]), *results.explained_of(patch)
                 self._drift.learn(*known, patch)
