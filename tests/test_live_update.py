@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from engine_clock import engine_of, readings_of
 from hypothesis import given
 from hypothesis import strategies as st
 from live_skins import GAIN, LAYER, REST, Ticking, cycle_of, pressed_counts, settings
@@ -24,7 +23,6 @@ from skinfield.loop.slots import CycleHead, CycleSlot
 from skinfield.loop.status import plain_contacts
 from skinfield.loop.update import Updater
 from skinfield.reconstruct.diagnostics import Conditioner
-from skinfield.reconstruct.engine.engine import prefer
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.signal import (
     Blocks,
@@ -392,26 +390,6 @@ def test_a_resolution_is_the_finest_there_is_and_a_focus_goes_beyond(updater: Up
         updater.tune(Tuning(resolution=10, focus=focus))
         rungs = [slot.patches["rung"][0] for slot in answered(updater, pressed)]
         assert rungs == [10, expected, expected]
-
-
-def test_what_is_preferred_is_served_first_where_time_is_short() -> None:
-    hot = {0, 1, 2, 3, 4}
-    engine = engine_of(6, 500e-6)
-    readings = readings_of(engine, hot)
-    for first in (None, 3):
-        prefer(engine, None, first)
-        gaps = np.array([[each.gap for each in engine(readings).report] for _ in range(9)])
-        always = {p for p in hot if (gaps[:, p] == 1e-4).all()}
-        assert (3 in always) == (first == 3)
-        assert (gaps[:, sorted(hot)] == 1e-4).any(axis=0).all()  # nobody starves
-    prefer(engine, 0, 3)
-    rungs = [each.rung for each in engine(readings).report]
-    assert rungs[3] == 16
-    assert {rungs[p] for p in hot - {3}} == {4}
-    with pytest.raises(InputError, match="finest is 3"):
-        prefer(engine, 3)
-    with pytest.raises(InputError, match="first is 6"):
-        prefer(engine, None, 6)
 
 
 def test_an_engine_that_takes_over_knows_the_contacts_of_the_one_before(updater: Updater) -> None:
