@@ -19,8 +19,9 @@ const COVER_ARROW = 500;
 const COVERS = COVER_CONTACT / 4; // from which on anything is covered: no way is as long
 const CROSS_LABEL = 300;
 const CROSS = 150;
-/** From which on the label that costs most has the first choice, where that helps. */
-const FAR = 100;
+/** From which on another label has the first choice, where that helps; of many only the one that costs most. */
+const FAR = 80;
+const FEW = 5;
 /** A label changes its place only for so much gain: it is not to jump to and fro. */
 const STAY = 30;
 
@@ -54,9 +55,11 @@ export function placeLabels(labels, kept, width, height) {
   let found = placesOf(labels, kept, width, height);
   const worst = found.reduce((one, other) => (other.cost > one.cost ? other : one), { cost: 0 });
   if (worst.cost > FAR && worst.cost < COVERS) {
-    const first = [worst.label, ...labels.filter((each) => each !== worst.label)];
-    const other = placesOf(first, kept, width, height);
-    if (total(other) < total(found)) found = other;
+    for (const first of labels.length > FEW ? [worst.label] : labels) {
+      const order = [first, ...labels.filter((each) => each !== first)];
+      const other = placesOf(order, kept, width, height);
+      if (total(other) < total(found)) found = other;
+    }
   }
   for (const { label, x, y, taken, hidden } of found) Object.assign(label, { x, y, taken, hidden });
 }
