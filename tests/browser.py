@@ -63,6 +63,9 @@ VIOLATIONS = """() => axe.run(document, { resultTypes: ["violations"] }).then(({
   violations.flatMap(({ id, nodes }) => nodes.map(({ target, failureSummary: why }) =>
     `${id}: ${target.join(" ")}: ${why}`)))"""
 
+SETTLED = """() => new Promise(requestAnimationFrame).then(() => Promise.allSettled(
+    document.getAnimations().map(({ finished }) => finished)))"""  # colours change slowly
+
 
 def axe_script() -> str:
     """Checks of a page's accessibility; skips where `npm ci` of page/ has not brought them.
@@ -280,7 +283,7 @@ class Look:
         found: list[str] = []
         for _ in range(2):
             theme = self.value("document.documentElement.dataset.theme")
-            self.page.wait_for_timeout(200)  # colours change slowly
+            self.value(SETTLED)
             found += [f"{theme}: {each}" for each in self.value(VIOLATIONS)]
             self.value("document.getElementById('theme').click()")  # below a dialog, too
         return found

@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import skinfield as sf
+from skinfield.errors import InputError
 from skinfield.reconstruct.engine.engine import measure, prefer
 from skinfield.reconstruct.engine.state import FEASIBLE, IDLE, LINEAR, MISSING
 
@@ -174,3 +175,23 @@ def test_a_budget_beyond_reason_is_enough() -> None:
     report = ENGINE(readings_of(ENGINE, {1}), budget=1e300).report
     assert report["p1"].rung == 16
     assert not report.overrun
+
+
+def test_what_is_preferred_is_served_first_where_time_is_short() -> None:
+    hot = {0, 1, 2, 3, 4}
+    engine = engine_of(6, 500e-6)
+    readings = readings_of(engine, hot)
+    for first in (None, 3):
+        prefer(engine, None, first)
+        gaps = np.array([[each.gap for each in engine(readings).report] for _ in range(9)])
+        always = {p for p in hot if (gaps[:, p] == 1e-4).all()}
+        assert (3 in always) == (first == 3)
+        assert (gaps[:, sorted(hot)] == 1e-4).any(axis=0).all()  # nobody starves
+    prefer(engine, 0, 3)
+    rungs = [each.rung for each in engine(readings).report]
+    assert rungs[3] == 16
+    assert {rungs[p] for p in hot - {3}} == {4}
+    with pytest.raises(InputError, match="finest is 3"):
+        prefer(engine, 3)
+    with pytest.raises(InputError, match="first is 6"):
+        prefer(engine, None, 6)

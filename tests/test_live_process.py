@@ -324,13 +324,13 @@ def test_what_searches_say_of_the_readings_is_published_where_it_lasts() -> None
     engine.groups[0].last[0] = SimpleNamespace(solution=SimpleNamespace(notes=said))
     process = SimpleNamespace(
         intake=SimpleNamespace(sentences=list),
-        updater=SimpleNamespace(engine=engine),
+        updater=SimpleNamespace(engine=engine, unfinished=lambda now_ns: {engine.names[0]: 3}),
         notes=notes,
         _note=notes.update,
     )
     EngineProcess._note_what_is_new(process)  # type: ignore[arg-type]
     (patch,) = engine.names
-    assert notes == {"readings": {patch: ["it reads unlike its model"]}}
+    assert notes == {"readings": {patch: ["it reads unlike its model"]}, "searching": {patch: 3}}
 
 
 @pytest.mark.parametrize(("loaded", "solvers"), [(True, "Auto"), (False, "GaussianField")])

@@ -6,10 +6,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pytest
-from engine_clock import engine_of, readings_of
 from hypothesis import given
 from hypothesis import strategies as st
-from live_skins import LAYER, REST, Ticking, cycle_of, pressed_counts, settings
+from live_skins import GAIN, LAYER, REST, Ticking, cycle_of, pressed_counts, settings
 from numpy.testing import assert_allclose, assert_array_equal
 
 import skinfield as sf
@@ -24,7 +23,6 @@ from skinfield.loop.slots import CycleHead, CycleSlot
 from skinfield.loop.status import plain_contacts
 from skinfield.loop.update import Updater
 from skinfield.reconstruct.diagnostics import Conditioner
-from skinfield.reconstruct.engine.engine import prefer
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.signal import (
     Blocks,
@@ -91,11 +89,33 @@ def test_a_press_without_time_is_found_in_cycles_without_a_reading(made) -> None
     channels.apply(fed(pressed_counts(1.0), later))
     assert made.answer(channels, later, slot, reset=True, budget=1e-6)
     assert slot.patches["answer"][0] == int(Answer.LINEAR)
+    assert made.unfinished(later + 5 * 10**8) == {}  # not for long
+    assert made.unfinished(later + 3 * 10**9) == {made.engine.names[0]: 3}
     channels.apply(fed(pressed_counts(1.0)[:36], later + 10**6))  # half of the next reading
     assert not made.answer(channels, later + 10**6, slot, budget=1.0)
     assert slot.patches["answer"][0] == int(Answer.CONTACTS)
     assert slot.patches["stamp_ns"][0] == later
     assert_allclose(slot.used_contacts()[0]["position"][:2], (0.0, 7.5e-3), atol=2e-3)
+    assert made.unfinished(later + 3 * 10**9) == {}
+
+
+def test_what_an_unfinished_search_has_not_found_is_no_drift(
+    updater: Updater, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pressed, run, settled = pressed_counts(1.0), updater.engine.run, updater.engine.results.settled
+
+    def unfinished(*args, **known):
+        run(*args, **known)
+        settled[:] = False
+
+    before = updater._drift.known
+    with monkeypatch.context() as patched:
+        patched.setattr(updater.engine, "run", unfinished)
+        slot = answered(updater, np.tile(pressed, (2, 1)))[-1]
+        assert slot.patches["answer"][0] == int(Answer.CONTACTS)
+        assert_array_equal(updater._drift.known, before)
+    answered(updater, np.tile(pressed, (2, 1)), first=2)
+    assert (updater._drift.known != before).any()
 
 
 def test_half_a_reading_waits_for_the_other_half_but_not_for_ever(made) -> None:
@@ -372,26 +392,6 @@ def test_a_resolution_is_the_finest_there_is_and_a_focus_goes_beyond(updater: Up
         assert rungs == [10, expected, expected]
 
 
-def test_what_is_preferred_is_served_first_where_time_is_short() -> None:
-    hot = {0, 1, 2, 3, 4}
-    engine = engine_of(6, 500e-6)
-    readings = readings_of(engine, hot)
-    for first in (None, 3):
-        prefer(engine, None, first)
-        gaps = np.array([[each.gap for each in engine(readings).report] for _ in range(9)])
-        always = {p for p in hot if (gaps[:, p] == 1e-4).all()}
-        assert (3 in always) == (first == 3)
-        assert (gaps[:, sorted(hot)] == 1e-4).any(axis=0).all()  # nobody starves
-    prefer(engine, 0, 3)
-    rungs = [each.rung for each in engine(readings).report]
-    assert rungs[3] == 16
-    assert {rungs[p] for p in hot - {3}} == {4}
-    with pytest.raises(InputError, match="finest is 3"):
-        prefer(engine, 3)
-    with pytest.raises(InputError, match="first is 6"):
-        prefer(engine, None, 6)
-
-
 def test_an_engine_that_takes_over_knows_the_contacts_of_the_one_before(updater: Updater) -> None:
     pressed = np.tile(pressed_counts(2.0, PRESS_AT), (3, 1))
     before = answered(updater, pressed)[-1]
@@ -405,6 +405,30 @@ def test_an_engine_that_takes_over_knows_the_contacts_of_the_one_before(updater:
         after = answered(updater, pressed[:1], first=3)[0]
         assert after.used_contacts()["track"].tolist() == [track if resumed else 101]
     assert counted[0] == 101
+
+
+def test_contacts_keep_their_numbers_when_the_fit_follows_linear_answers(updater: Updater) -> None:
+    places = [(-9e-3, 2e-3), (13e-3, 5e-3), (0.0, 13e-3), (4e-3, -12e-3)]
+    pressed = REST + sum(pressed_counts(1.0, at) - REST for at in places)
+    before = answered(updater, np.tile(pressed, (4, 1)))[-1]
+    linear = cycle_of(settings(solver=GaussianField()))
+    linear.count_in(np.array([4]))
+    linear.resume(before)
+    since = answered(linear, np.tile(pressed, (20, 1)), first=900)[-1]
+    assert since.patches["answer"][0] == int(Answer.LINEAR)
+    updater.take_over(linear, np.tile([REST, GAIN, 0.6, 1.0], (72, 1)))
+    updater.recall(before)
+    after = answered(updater, np.tile(pressed, (2, 1)), first=1100)[-1]
+    assert after.patches["answer"][0] == int(Answer.CONTACTS)
+    known = []
+    for slot in before, since, after:
+        rows = slot.used_contacts()
+        x, y = rows["x"][:, None], rows["y"][:, None]
+        nearest = np.hypot(x - np.array(places)[:, 0], y - np.array(places)[:, 1]).argmin(axis=1)
+        known.append(dict(zip(nearest.tolist(), rows["track"].tolist(), strict=True)))
+    assert known == [known[0]] * 3
+    assert sorted(known[0].values()) == [1, 2, 3, 4]
+    assert_allclose(after.used_contacts()["age"], (1101 * STEP) * 1e-9, atol=1e-6)
 
 
 @pytest.mark.parametrize(("gone", "same"), [(0.05, True), (0.3, False)])

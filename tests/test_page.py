@@ -468,9 +468,10 @@ def test_a_contact_tells_how_old_its_reading_is(look: Look, hand: Hand, skin: Se
     try:
         (row,) = look.wait_rows(lambda rows: len(rows) == 1 and float(rows[0]["ageMs"]) > 600.0)
         assert row["track"] == track
-        assert look.page.locator("tr.old").count() == 1
+        look.until("document.querySelectorAll('tr.old').length === 1")
         assert "last seen" in look.page.locator("#contacts-seen").inner_text()
-        assert look.value("document.querySelector('#scene').dataset.fade") == "1.00"
+        look.until("document.querySelector('#scene').dataset.fade === '1.00'")
+        look.until("/^No reading for /.test(document.querySelector('.status-text').textContent)")
         look.shoot("pause")
     finally:
         os.kill(boards[0], signal.SIGCONT)

@@ -355,6 +355,8 @@ def test_notes_are_those_that_a_viewer_can_act_on() -> None:
     assert viewer_notes(status, simulated=False) == [ended, "hand: calibrate", tare[1], stays]
     status["lately"] = {"late": 300, "cycles": 1000}
     assert viewer_notes(status, simulated=True)[-1] == "no real-time priority"
+    [searches] = viewer_notes({"notes": {"searching": {"palm": 4}}}, simulated=True)
+    assert "palm" in searches
     assert viewer_notes({"notes": ["it is gone"]}, simulated=False) == ["it is gone"]
     assert viewer_notes({"state": "running"}, simulated=False) == []
 

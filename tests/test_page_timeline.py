@@ -62,8 +62,10 @@ def test_keys_move_a_press_and_its_force(look: Look, hand: Hand) -> None:
     assert look.value(camera) == view
     for _ in range(12):
         keyboard.press("Shift+ArrowRight")  # not beyond the skin's edge
-    look.page.wait_for_timeout(500)
-    assert 0.005 < look.value("skinfield.state.truth[0].x") < 0.025
+    look.until("skinfield.state.truth[0].x > 0.0149")
+    keyboard.press("Shift+ArrowUp")  # after all of them
+    look.until("(y) => Math.abs(skinfield.state.truth[0].y - y) < 3e-5", y + 5e-3)
+    assert look.value("skinfield.state.truth[0].x") < 0.025
     keyboard.press("Escape")
     look.until("skinfield.state.truth.length === 0")
     look.at("force").fill("1")
@@ -121,7 +123,8 @@ def test_the_newest_half_minute_is_looked_back_at(look: Look, hand: Hand) -> Non
 def test_plots_tell_the_value_at_the_pointer(look: Look, hand: Hand) -> None:
     hand.click(0.0, 3.0)
     look.wait_rows(lambda rows: len(rows) == 1)
-    look.page.wait_for_timeout(500)
+    before = look.value("skinfield.state.updates")
+    look.until("(before) => skinfield.state.updates > before + 10", before)
     box = look.at("force-plot").bounding_box()
     look.page.mouse.move(box["x"] + box["width"] - 14, box["y"] + 40)
     look.until(r"/−?0\.\d s/.test(document.querySelector('#force-plot .plot-tip')?.textContent)")
@@ -161,6 +164,8 @@ def test_the_result_is_in_sight_while_the_panel_presses(
     with looking(browser, size={"width": width, "height": height}, has_touch=width < 500) as look:
         look.open(skin.address)
         assert look.value(IN_SIGHT) == [True, True, True]
+        asked = "tap" if width < 500 else "click"
+        look.until("(word) => invitation.textContent.includes(word)", f" {asked} ")
         look.at("press-middle").click()
         look.until("skinfield.state.truth.length === 1")
         look.until("document.getElementById('readout-count').textContent === '1 contact'")

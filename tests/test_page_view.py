@@ -126,6 +126,23 @@ def test_its_timeline_is_drawn_and_its_contacts_are_saved(look: Look, made: list
     assert look.accessible() == []
 
 
+def test_the_force_before_where_it_is_gone_to_is_plotted(look: Look, made: list[Known]) -> None:
+    look.stand_still()
+    for time_s in (0.1, 2.5):  # nothing was played in between
+        look.seek(time_s)
+    box = look.at("force-plot").bounding_box()
+    a_second = (box["width"] - 50) / 10  # beside the axis
+    look.page.mouse.move(box["x"] + box["width"] - 10 - a_second, box["y"] + 40)
+    tip = look.until("document.querySelector('#force-plot .plot-tip')?.innerText").split("\n")
+    before = float(tip[0].removesuffix(" s").replace("−", "-"))
+    assert before == pytest.approx(-1.0, abs=0.15)
+    place = round((2.5 + before) * SECOND / PERIOD)
+    near = [each.force for each in made[place - 10 : place + 11]]
+    assert min(near) - 0.01 < sum(map(float, tip[1:])) < max(near) + 0.01
+    look.shoot("force-before")
+    look.page.mouse.move(2, 2)
+
+
 def test_several_browsers_play_it_together(browser: Any, view: Served, look: Look) -> None:
     with looking(browser) as other:
         other.open(view.address)
@@ -282,6 +299,17 @@ def page(browser: Any) -> Any:
     return page
 
 
+FRAMES = """new Promise((done) => {  // three pictures later
+    const next = (left) => (left ? requestAnimationFrame(() => next(left - 1)) : done());
+    next(3); })"""
+
+
+def resize(page: Any, size: dict[str, int]) -> None:
+    """Give the window a size, and wait until the page shows it."""
+    page.set_viewport_size(size)
+    page.evaluate(f"{FRAMES}.then(() => skinfield.scene.whenDrawn())")
+
+
 def answer(route: Any, shipped: Any) -> None:
     name = route.request.url.removeprefix(SITE) or "index.html"
     part = shipped / name
@@ -373,11 +401,9 @@ FILLED = """(colour) => {
 def test_the_skin_fills_the_picture(page: Any, size: dict[str, int]) -> None:
     """In the direction that limits it, also after the window has changed."""
     colours_at(page, FLAT)
-    page.set_viewport_size(size)
-    page.wait_for_timeout(150)
+    resize(page, size)
     across, along = page.evaluate(FILLED, SKIN["dark"])
-    page.set_viewport_size(DESK)
-    page.wait_for_timeout(150)
+    resize(page, DESK)
     assert 0.80 < max(across, along) < 0.97
     assert min(across, along) > 0.3
 
@@ -438,8 +464,7 @@ TOUCHES = """(places) => {
 def test_labels_cover_neither_each_other_nor_the_ellipse_of_a_place(
     page: Any, places: list[tuple[float, float]], width: int, height: int
 ) -> None:
-    page.set_viewport_size({"width": width, "height": height})
-    page.wait_for_timeout(150)
+    resize(page, {"width": width, "height": height})
     try:
         page.evaluate(TOUCHES, places)
         shown, covered = page.evaluate(LABELS)
@@ -449,8 +474,7 @@ def test_labels_cover_neither_each_other_nor_the_ellipse_of_a_place(
     finally:
         page.evaluate("""() => { const { scene } = skinfield;
           scene.marks.contacts = scene.marks.truth = []; scene.showLabels(false); }""")
-        page.set_viewport_size(DESK)
-        page.wait_for_timeout(150)
+        resize(page, DESK)
 
 
 def test_a_patch_without_reading_is_grey(page: Any) -> None:
@@ -487,24 +511,28 @@ def test_a_dead_taxel_is_a_cross_over_what_it_would_read(page: Any) -> None:
 
 def test_nothing_is_drawn_while_nothing_changes(page: Any) -> None:
     colours_at(page, FLAT)
-    page.wait_for_timeout(300)
-    before = page.evaluate("skinfield.scene.drawn")
-    page.wait_for_timeout(400)
-    assert page.evaluate("skinfield.scene.drawn") == before
+    drawn = [page.evaluate(f"{FRAMES}.then(() => skinfield.scene.drawn)") for _ in range(30)]
+    assert drawn[-1] == drawn[10]
 
 
 def test_a_lost_picture_comes_back(page: Any) -> None:
     before = colours_at(page, [*FLAT, (1.0, 1.0)], 0.77)
     lose = "window.lost = skinfield.scene.picture.renderer.getContext()"
     page.evaluate(f"{lose}.getExtension('WEBGL_lose_context'), lost.loseContext()")
-    page.wait_for_timeout(200)
-    page.evaluate("lost.restoreContext()")
+    is_lost = "skinfield.scene.picture.renderer.getContext().isContextLost()"
+    for state in (True, False):
+        for _ in range(200):
+            if page.evaluate(is_lost) == state:
+                break
+            page.wait_for_timeout(50)
+        if state:
+            page.evaluate("lost.restoreContext()")
     for _ in range(200):
-        if not page.evaluate("skinfield.scene.picture.renderer.getContext().isContextLost()"):
+        after = colours_at(page, [*FLAT, (1.0, 1.0)], 0.77)
+        if np.array_equal(after, before):
             break
         page.wait_for_timeout(50)
-    page.wait_for_timeout(200)
-    assert np.array_equal(colours_at(page, [*FLAT, (1.0, 1.0)], 0.77), before)
+    assert np.array_equal(after, before)
 
 
 def test_a_place_and_its_pixel_find_each_other(page: Any) -> None:

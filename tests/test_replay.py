@@ -332,9 +332,16 @@ def test_the_timeline_is_force_and_touches_over_time(made: Made, feed: Recording
     assert np.abs(force - known).max() < 1e-4
     assert np.abs(times - np.arange(CYCLES) / WHOLE).max() < 2e-3
     seen: dict[int, list[float]] = {}
+    forces: dict[int, list[float]] = {}
     for number, each in enumerate(made[1]):
-        for track in contacts_of(each)["track"].tolist():
-            seen.setdefault(track, []).append(number / WHOLE)
+        for row in contacts_of(each):
+            seen.setdefault(int(row["track"]), []).append(number / WHOLE)
+            forces.setdefault(int(row["track"]), []).append(row["normal_force"])
+    assert len(told["contacts"]) == len(seen)
+    for track, when in seen.items():
+        its = told["contacts"][f"{feed.name} {track}"]
+        assert its[0] == pytest.approx(when, abs=2e-3)
+        assert its[1] == pytest.approx(forces[track], abs=1e-4)
     ends = sorted((times[0], times[-1]) for times in seen.values())
     assert np.array(told["touches"]) == pytest.approx(np.array(ends), abs=1e-3)
     assert ends

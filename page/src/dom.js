@@ -81,3 +81,8 @@ export function remember(key, value) {
     // private windows may refuse: the page works without
   }
 }
+
+/** Is it a finger that points? */
+export function touches() {
+  return matchMedia("(pointer: coarse)").matches;
+}

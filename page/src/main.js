@@ -7,7 +7,7 @@ import { Pending } from "./pending.js";
 import { ColourBar } from "./colourbar.js";
 import { ContactsTable } from "./table.js";
 import { Controls } from "./controls.js";
-import { byId, remember, remembered, setText } from "./dom.js";
+import { byId, remember, remembered, setText, touches } from "./dom.js";
 import { fixed, forceUnit } from "./format.js";
 import { savePicture } from "./export.js";
 import { total } from "./lookback.js";
@@ -115,6 +115,7 @@ function refuse(why, said = "") {
 function invite() {
   const { hello, status: told } = state;
   const can = hello?.press && told?.state === "running" && !state.controls?.off?.press;
+  setText(byId("invitation"), `Simulated skin: ${touches() ? "tap" : "click"} to press it`);
   byId("invitation").hidden = !can || state.pressed;
 }
 
@@ -125,7 +126,10 @@ function patchName(i) {
 // what the server says
 
 function text(message) {
-  const timeline = (told) => replay.timeline(told);
+  const timeline = (told) => {
+    replay.timeline(told);
+    plots.recall(told.contacts ?? {});
+  };
   const kinds = { hello, controls: controlsMessage, status: statusMessage, notice: noticeMessage, timeline };
   const kind = Object.hasOwn(kinds, message?.kind ?? "") ? kinds[message.kind] : null;
   if (!kind) return malformed("a message of no known kind");

@@ -31,6 +31,8 @@ export class Plots {
   #drawn = 0;
   #timer = null;
   #until = null; // s, where the past is looked at
+  #newest = null; // {time, pairs, times} as added
+  #history = []; // of a recording: [time, forces by the contacts' keys], by time
 
   constructor(forceBox, latencyBox) {
     const columns = Array.from({ length: SLOTS }, (_, i) => i);
@@ -89,18 +91,35 @@ export class Plots {
   }
 
   clear() {
-    this.#forces.clear();
-    this.#times.clear();
-    this.#slots.clear();
-    this.#until = null;
+    this.#history = [];
+    this.#newest = this.#until = null;
+    this.#begin();
     this.draw(true);
   }
 
-  /** Add what an update tells: pairs of contact and truth, at a time in s. */
-  add(time, pairs, { ready_us: ready, latency_us: latency, late }) {
-    if (!Number.isFinite(time)) return;
-    if (time < this.#forces.now) this.#slots.clear();
-    if (time > this.#forces.now + GAP_S) this.#gap();
+  /** What a recording holds, from which the past of wherever it is gone to is taken. */
+  recall(contacts) {
+    this.#history = byTime(contacts);
+    if (!this.#newest) return;
+    this.#begin(this.#newest.time);
+    this.#push();
+    this.draw(true);
+  }
+
+  /** Begin anew at a time: with what was before it, where that is known. */
+  #begin(time = NaN) {
+    this.#forces.clear();
+    this.#times.clear();
+    this.#slots.clear();
+    let last = time;
+    for (const [at, forces] of this.#history) {
+      if (!(at > time - LONGEST_S && at < time)) continue;
+      if (at - last > GAP_S) this.#forces.gap();
+      this.#forces.push((last = at), this.#row(at, [...forces].map(([key, force]) => ({ contact: { key, force } }))));
+    }
+  }
+
+  #row(time, pairs) {
     const row = Array(2 * SLOTS).fill(NaN);
     for (const { contact, truth } of pairs) {
       const slot = this.#slots.of(contact.key, time);
@@ -108,10 +127,26 @@ export class Plots {
       row[slot] = contact.force;
       if (truth) row[SLOTS + slot] = truth.force;
     }
-    this.#forces.push(time, row);
+    return row;
+  }
+
+  /** Add what an update tells: pairs of contact and truth, at a time in s. */
+  add(time, pairs, { ready_us: ready, latency_us: latency, late }) {
+    if (!Number.isFinite(time)) return;
+    const on = time >= this.#forces.now && time <= this.#forces.now + GAP_S;
+    if (this.#history.length && !on) this.#begin(time);
+    else if (time < this.#forces.now) this.#slots.clear();
+    else if (!on) this.#gap();
     const [whole, computing] = [latency, ready].map((value) => (value > 0 ? value : NaN)); // for logs
-    this.#times.push(time, [whole, computing, this.#deadline, late ? computing : NaN]);
+    this.#newest = { time, pairs, times: [whole, computing, this.#deadline, late ? computing : NaN] };
+    this.#push();
     this.draw();
+  }
+
+  #push() {
+    const { time, pairs, times } = this.#newest;
+    this.#forces.push(time, this.#row(time, pairs));
+    this.#times.push(time, times);
   }
 
   #gap() {
@@ -151,6 +186,18 @@ export class Plots {
     }
     return shown;
   }
+}
+
+/** [time, Map of forces by key] of each time of contacts: their times and forces by key. */
+function byTime(contacts) {
+  const found = new Map();
+  for (const [key, [times, forces]] of Object.entries(contacts)) {
+    times.forEach((time, i) => {
+      if (!found.has(time)) found.set(time, new Map());
+      found.get(time).set(key, forces[i]);
+    });
+  }
+  return [...found].sort(([one], [other]) => one - other);
 }
 
 const TIMES = ["whole", "answer", "deadline"];

@@ -1,7 +1,7 @@
 // The panel of the virtual indenter, and what gestures on the skin do with it.
 import { Pending } from "./pending.js";
 import { able } from "./controls.js";
-import { byId, clamp, element, setOptions, setText } from "./dom.js";
+import { byId, clamp, element, setOptions, setText, touches } from "./dom.js";
 import { PressGestures } from "./gestures.js";
 import { notice } from "./notices.js";
 
@@ -208,7 +208,7 @@ export class PressPanel {
 
   #showAble() {
     const why = this.#why;
-    for (const button of byId("tools").children) able(button, why);
+    for (const button of byId("tools").querySelectorAll("button")) able(button, why);
     for (const id of ["shape", "press-scene", "radius", "radius-slider", "force", "force-slider", "lift", "press-middle"]) {
       able(byId(id), why);
     }
@@ -216,7 +216,7 @@ export class PressPanel {
     if (!why) able(byId("press-scene"), scenes.length ? null : "this skin has no scenes");
     document.body.classList.toggle("no-press", !this.#limits);
     byId("press-panel").classList.toggle("is-off", Boolean(why));
-    setText(byId("press-note"), why ?? "click stays · hold lifts · Shift adds");
+    setText(byId("press-note"), why ?? (touches() ? "tap stays · hold lifts" : "click stays · hold lifts · Shift adds"));
   }
 
   #showScene() {
@@ -274,6 +274,8 @@ export class PressPanel {
       button.addEventListener("click", () => this.#choose(shape, radius));
       return button;
     });
+    const sizes = kinds.findLastIndex(({ shape }) => shape !== "finger") + 1;
+    if (sizes) made.splice(sizes, 0, element("span", { class: "unit", "aria-hidden": "true", text: "mm" }));
     byId("tools").replaceChildren(...made);
   }
 
@@ -286,7 +288,7 @@ export class PressPanel {
   /** Which tool is chosen, which are ready, and how far the chosen one is. */
   #showTools() {
     const tool = this.tool;
-    for (const button of byId("tools").children) {
+    for (const button of byId("tools").querySelectorAll("button")) {
       const its = { shape: button.dataset.shape, radius: Number(button.dataset.radius) };
       const ready = this.#isReady(its);
       button.setAttribute("aria-pressed", String(same(its, tool)));

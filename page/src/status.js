@@ -17,6 +17,7 @@ export function colourOf(state) {
 
 const LATE = 0.05; // of the estimates, from which on it is said
 const LOST = 0.02; // of the messages
+const BEHIND_US = 1e5; // from a reading to its estimate, half of them at least
 
 /** One phrase about all engines: good, or what is wrong; what can be done is in the notes. */
 export function headline(status, { unread_s = 0, fades_s = 0.5 } = {}) {
@@ -28,16 +29,56 @@ export function headline(status, { unread_s = 0, fades_s = 0.5 } = {}) {
   if (status.state === "starting") return { state, text: "The engine starts" };
   if (status.state === "calibrating") return { state, text: "Taking the baseline: leave the skin untouched" };
   if (state === "waiting") return { state, text: status.state };
-  if (unread_s > fades_s) return { state: "bad", text: `No reading for ${fixed(unread_s, unread_s < 10 ? 1 : 0)} s` };
-  const silent = engines.flatMap((each) => each.patches ?? []).filter(({ stale, age }) => stale && !(age <= fades_s)).length;
-  if (silent) return { state: "bad", text: `${silent} patch${silent > 1 ? "es" : ""} without a reading` };
+  const searching = engines.flatMap(searchesOf);
+  if (unread_s > fades_s && !searching.length) return { state: "bad", text: `No reading for ${secondsOf(unread_s)}` };
+  const silent = silence(engines, searching);
+  if (silent) return { state: silent.age <= fades_s ? "waiting" : "bad", text: silent.text };
   const failed = engines.map((each) => each.notes?.failed).find(Boolean);
   if (failed) return { state: "waiting", text: "Linear answers only" };
+  if (status.preparing) return { state: "waiting", text: "Linear answers until the skin is prepared" };
+  if (searching.length) return { state: "waiting", text: searchWords(engines, searching) };
+  const behind = worst(engines, (each) => timesOf(each).latency_us?.p50);
+  if (behind > BEHIND_US) return { state: "waiting", text: `Estimates are ${secondsOf(behind / 1e6)} behind the skin` };
   const share = worst(engines, ({ lately }) => (lately?.late ?? 0) / Math.max(lately?.cycles ?? 0, 1));
   if (share > LATE) return { state: "waiting", text: `${fixed(100 * share, 0)} % of the estimates are late` };
   const lost = worst(engines, lostShare);
   if (lost > LOST) return { state: "waiting", text: `${fixed(100 * lost, 0)} % of the messages are lost` };
   return { state: "good", text: REPLAYED.has(status.state) ? capital(status.state) : "Good" };
+}
+
+function secondsOf(seconds) {
+  return `${fixed(seconds, seconds < 10 ? 1 : 0)} s`;
+}
+
+/** Searches that find no end: whose, for how long, and whether there was no time to begin. */
+function searchesOf({ notes, patches }) {
+  const linear = new Set((patches ?? []).filter(({ answer }) => answer === "linear").map(({ name }) => name));
+  return Object.entries(notes?.searching ?? {}).map(([name, seconds]) => ({ name, seconds, linear: linear.has(name) }));
+}
+
+function searchWords(engines, searching) {
+  searching.sort((one, other) => other.seconds - one.seconds);
+  const [{ seconds, linear }] = searching;
+  const what = linear ? `linear answer for ${seconds} s: no time to search` : `search unfinished for ${seconds} s`;
+  return told(engines, searching, what);
+}
+
+/** Patches without a new reading: which, and how long; not those whose search takes that long. */
+function silence(engines, searching) {
+  const busy = new Set(searching.map(({ name }) => name));
+  const ageOf = ({ age }) => age ?? Infinity;
+  const stale = engines.flatMap((each) => each.patches ?? []).filter(({ stale, name }) => stale && !busy.has(name));
+  if (!stale.length) return null;
+  stale.sort((one, other) => ageOf(other) - ageOf(one));
+  const age = ageOf(stale[0]);
+  return { age, text: told(engines, stale, age < Infinity ? `no reading for ${secondsOf(age)}` : "no reading yet") };
+}
+
+/** Whose it is, the worst first, where there are several; then what it is. */
+function told(engines, named, what) {
+  if (engines.flatMap((each) => each.patches ?? []).length < 2) return capital(what);
+  const others = named.length - 1;
+  return `${named[0].name}${others ? ` and ${others} more` : ""}: ${what}`;
 }
 
 function worst(engines, share) {

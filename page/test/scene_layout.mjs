@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { overlap, placeLabels } from "../src/scene/layout.js";
+import { leaderEnd, overlap, placeLabels } from "../src/scene/layout.js";
 
 const label = (anchorX, anchorY, side) => ({ anchorX, anchorY, side, width: 120, height: 40, x: 0, y: 0 });
 
@@ -32,4 +32,21 @@ test("labels leave contacts free, and do not jump back and forth", () => {
   const { x, y, taken } = one;
   placeLabels([one], [contact], 800, 600);
   assert.deepEqual([one.x, one.y, one.taken], [x, y, taken]);
+});
+
+test("no label stands far off where all have room near by", () => {
+  const card = (anchorX, anchorY, side) => ({ ...label(anchorX, anchorY, side), width: 215, height: 42 });
+  const labels = [card(582, 53, 1), card(379, 71, 1), card(463, 16, 1), card(505, 164, 1)];
+  const tips = [[574, 133], [385, 149], [463, 90], [502, 240]];
+  const rings = tips.map(([x, y]) => ({ x: x - 25, y: y - 16, width: 50, height: 32 }));
+  const arrows = labels.map(({ anchorX: x, anchorY: y }) => ({ x: x - 7, y, width: 14, height: 70, light: true }));
+  const far = () => labels.map((each) => {
+    const [x, y] = leaderEnd(each);
+    return Math.hypot(x - each.anchorX, y - each.anchorY);
+  });
+  for (let turn = 0; turn < 3; turn += 1) {
+    placeLabels(labels, [...rings, ...arrows], 927, 383);
+    assert.ok(Math.max(...far()) < 60, `${far()}`);
+    for (const a of labels) for (const b of labels) assert.ok(a === b || !overlap(a, b));
+  }
 });

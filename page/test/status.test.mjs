@@ -24,7 +24,6 @@ test("a running engine is good; its numbers are in Health", () => {
 test("what is wrong is one phrase, the worst first", () => {
   assert.deepEqual(said({}, { unread_s: 1.24, fades_s: 0.5 }), { state: "bad", text: "No reading for 1.2 s" });
   assert.equal(said({}, { unread_s: 0.4, fades_s: 0.5 }).text, "Good");
-  assert.equal(said({ patches: [{ stale: true, age: 3 }, { stale: true, age: 0.2 }, { stale: false }] }).text, "1 patch without a reading");
   assert.equal(said({ notes: { failed: "ContactFit cannot be prepared" } }).text, "Linear answers only");
   assert.equal(said({ lately: { late: 120, cycles: 1000 } }).text, "12 % of the estimates are late");
   assert.equal(said({ sources_lately: { udp: { received: 90, lost: 10 } } }).text, "10 % of the messages are lost");
@@ -32,6 +31,27 @@ test("what is wrong is one phrase, the worst first", () => {
   assert.equal(headline({ state: "calibrating" }).state, "waiting");
   assert.equal(headline({ state: "paused", engines: [engine({ state: "paused" })] }).text, "Paused");
   assert.equal(headline({}).state, "bad");
+});
+
+test("old readings: which patch, and how old", () => {
+  const palm = { name: "palm", stale: false, age: 0.01 };
+  const thumb = { name: "thumb", stale: true, age: 3.04 };
+  const index = { name: "index", stale: true, age: 0.2 };
+  assert.deepEqual(said({ patches: [palm, index, thumb] }), { state: "bad", text: "thumb and 1 more: no reading for 3.0 s" });
+  assert.deepEqual(said({ patches: [palm, index] }), { state: "waiting", text: "index: no reading for 0.2 s" });
+  assert.equal(said({ patches: [thumb] }).text, "No reading for 3.0 s");
+  assert.equal(said({ patches: [palm, { name: "tip", stale: true, age: null }] }).text, "tip: no reading yet");
+});
+
+test("answers that are not what was asked for, while time is short", () => {
+  const palm = { name: "palm", answer: "linear", stale: true, age: 0.7 };
+  const short = { patches: [palm], notes: { searching: { palm: 4 } } };
+  assert.deepEqual(said(short, { unread_s: 0.7, fades_s: 0.5 }), { state: "waiting", text: "Linear answer for 4 s: no time to search" });
+  const both = { patches: [{ ...palm, answer: "contacts" }, { name: "tip" }], notes: { searching: { tip: 2, palm: 12 } } };
+  assert.equal(said(both).text, "palm and 1 more: search unfinished for 12 s");
+  assert.equal(said({ lately: { latency_us: { p50: 2.5e5, count: 9 } } }).text, "Estimates are 0.3 s behind the skin");
+  const preparing = { what: "compiling", done: 0.2, seconds_left: 9 };
+  assert.equal(headline({ state: "running", engines: [engine()], preparing }).text, "Linear answers until the skin is prepared");
 });
 
 test("one of three is gone: said, and not averaged away", () => {

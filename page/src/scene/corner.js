@@ -77,7 +77,7 @@ export class Corner {
       key: "ruler",
       title: lengthWords(length),
       plain: this.text,
-      middle: [(left + right) / 2, y - 13],
+      left: [right + 4, y],
     });
     wanted.push({
       key: "ruling",

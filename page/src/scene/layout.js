@@ -19,6 +19,9 @@ const COVER_ARROW = 500;
 const COVERS = COVER_CONTACT / 4; // from which on anything is covered: no way is as long
 const CROSS_LABEL = 300;
 const CROSS = 150;
+/** From which on another label has the first choice, where that helps; of many only the one that costs most. */
+const FAR = 80;
+const FEW = 5;
 /** A label changes its place only for so much gain: it is not to jump to and fro. */
 const STAY = 30;
 
@@ -41,7 +44,7 @@ const STAY = 30;
  */
 
 /**
- * Sets x and y of each label; earlier ones have the better choice.
+ * Sets x and y of each label; earlier ones have the better choice, but for one that would end far off.
  *
  * @param {Placed[]} labels
  * @param {Box[]} kept places that are not to be covered
@@ -49,10 +52,27 @@ const STAY = 30;
  * @param {number} height
  */
 export function placeLabels(labels, kept, width, height) {
-  for (let i = 0; i < labels.length; i += 1) {
-    const label = labels[i];
-    const before = labels.slice(0, i).filter((each) => !each.hidden);
-    const best = { cost: Infinity, x: 0, y: 0, taken: 0 };
+  let found = placesOf(labels, kept, width, height);
+  const worst = found.reduce((one, other) => (other.cost > one.cost ? other : one), { cost: 0 });
+  if (worst.cost > FAR && worst.cost < COVERS) {
+    for (const first of labels.length > FEW ? [worst.label] : labels) {
+      const order = [first, ...labels.filter((each) => each !== first)];
+      const other = placesOf(order, kept, width, height);
+      if (total(other) < total(found)) found = other;
+    }
+  }
+  for (const { label, x, y, taken, hidden } of found) Object.assign(label, { x, y, taken, hidden });
+}
+
+function total(places) {
+  return places.reduce((sum, { cost }) => sum + cost, 0);
+}
+
+/** A place for each label, one after the other. */
+function placesOf(labels, kept, width, height) {
+  const before = [];
+  return labels.map((label) => {
+    const best = { label, cost: Infinity, x: 0, y: 0, taken: 0 };
     const consider = (x, y, taken) => {
       label.x = clamp(x, GAP, width - label.width - GAP);
       label.y = clamp(y, GAP, height - label.height - GAP);
@@ -62,11 +82,11 @@ export function placeLabels(labels, kept, width, height) {
     around(label, consider);
     if (!label.spare) beside(label, before, consider);
     if (!label.spare && best.cost >= COVERS) anywhere(label, width, height, consider);
-    label.hidden = best.cost >= (label.spare || label.brief ? COVERS : COVER_LABEL);
-    label.x = best.x;
-    label.y = best.y;
-    label.taken = best.taken;
-  }
+    best.hidden = best.cost >= (label.spare || label.brief ? COVERS : COVER_LABEL);
+    Object.assign(label, { x: best.x, y: best.y });
+    if (!best.hidden) before.push(label);
+    return best;
+  });
 }
 
 /** Places all around what is named, near and far. */

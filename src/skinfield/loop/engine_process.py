@@ -270,8 +270,8 @@ class EngineProcess:
             self._note(progress={}, failed=f"{failed}, {solver} goes on: {error}")
             return
         made.take_over(before, self.ring.status["calibration"])
-        if self.last is not None:  # nearer to what this solver finds than linear answers since
-            made.resume(self.last)
+        if self.last is not None:
+            made.recall(self.last)
         made.tune(self.tuning)
         self.updater, self.reset, self.began, self.replaced = made, True, True, before
         linear_s = round((time.monotonic_ns() - self.running_ns) * NS, 3)
@@ -309,13 +309,16 @@ class EngineProcess:
         self.began = False
 
     def _note_what_is_new(self) -> None:
-        """Publish what the sources and the solver say in words, where that is new."""
+        """Publish what the sources and the solver say, and what searches last, where new."""
         said = self.intake.sentences()
         if said != self.notes.get("sources", []):
             self._note(sources=said)
         found = {} if self.updater is None else self.updater.engine.notes
         if found != self.notes.get("readings", {}):
             self._note(readings=found)
+        lasting = {} if self.updater is None else self.updater.unfinished(time.time_ns())
+        if lasting != self.notes.get("searching", {}):
+            self._note(searching=lasting)
 
     def _without_answer(self, slot: CycleSlot) -> None:
         """A slot that says that all patches are missing; as before, where a solver was replaced."""

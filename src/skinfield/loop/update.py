@@ -69,6 +69,7 @@ DOUBT = 2.0  # times less noise there may be than was found: it is what smooths 
 KEEPS = 3  # times the age at which a reading is too old: an answer outlives a short pause
 HALF_INTERVAL = 10  # of a taxel fits so often into the age at which its reading is too old
 MOST_PATIENCE_NS = 20_000_000
+LONG = 1.0  # s, of a search that is said to last
 
 
 class Updater:
@@ -111,6 +112,7 @@ class Updater:
         self._noise_std, self._means = baseline.noise_std, StationaryMeans(self._binding.starts)
         self._drift = Drift(baseline.noise_std, self._binding.starts)
         self._idle, self._follows = np.zeros(patches, np.bool_), self.engine.finds_contacts
+        self._unended_ns = np.zeros(patches, np.int64)
         known = model_config.quantity, model_config.layer, self._binding.unit
         strains, self._scale = quantity_scale(*known)
         self._how = int(update_kernel.STRAIN if strains else update_kernel.CHANGE)
@@ -132,6 +134,18 @@ class Updater:
     def newest_ns(self) -> int:
         """Stamp of the newest reading of any patch, ns since the epoch."""
         return int(self._newest.max())
+
+    def unfinished(self, now_ns: int) -> dict[str, int]:
+        """Whole seconds for which searches of touched patches have not ended, of those that last.
+
+        Each reading begins a search anew where the one before had no time to end.
+        """
+        if not self._follows:
+            return {}
+        since = self._unended_ns
+        seconds = np.where(since > 0, now_ns - since, 0) * 1e-9
+        names = zip(self.engine.names, seconds.tolist(), strict=True)
+        return {name: int(lasts) for name, lasts in names if lasts >= LONG}
 
     def calibrate(self, table: Floats) -> None:
         """Take a calibration (L, 4); see `TareBaseline`."""
@@ -190,6 +204,25 @@ class Updater:
             for name in ("patches", "contacts", "pressure"):
                 np.copyto(getattr(kept, name), getattr(slot, name))
             self.tracks[0] = max(self.tracks[0], slot.patches["tracks"][0])
+
+    def recall(self, slot: CycleSlot) -> None:
+        """Have contacts of another engine's cycle go on, which coarser answers followed since.
+
+        Those of the same numbers stand in their place: nearer to what this solver finds. What
+        those answers did not tell apart goes on beside them, as long as there is room.
+        """
+        kept = self._kept
+        known = kept.patches, kept.contacts, slot.patches, slot.contacts
+        for row, rows, then, its in zip(*known, strict=True):
+            count = min(int(row["contacts"]), len(rows))
+            since = 1e-9 * int(row["stamp_ns"] - then["stamp_ns"])
+            for contact in its[: then["contacts"]]:
+                same = np.flatnonzero(rows["track"][:count] == contact["track"])
+                place = int(same[0]) if len(same) else count
+                if place < len(rows):
+                    rows[place], count = contact, max(count, place + 1)
+                    rows[place]["age"] += since
+            row["contacts"] = count
 
     def answer(
         self,
@@ -320,6 +353,7 @@ class Updater:
             self._arrived,
             self._newest,
             *answers,
+            results.settled,
             self._sides,
             self._means.readings,
             self.engine.searches,
@@ -327,13 +361,15 @@ class Updater:
             kept.patches,
             self._contacts.followed,
             self._touched,
+            self._unended_ns,
         )
         for patch in self._touched[:count].tolist():
             rows = kept.contacts[patch]
             if results.answer[patch] > IDLE:
                 pressure = results.pressure_of(patch)
                 kept.pressure[patch, : len(pressure)] = pressure
-            if self._follows and results.answer[patch] == FOUND:
+            ended = results.settled[patch]  # else what was not found yet would be drift
+            if self._follows and ended and results.answer[patch] == FOUND:
                 its = slice(*self._binding.starts[patch : patch + 2])
                 known = self._given[its], int(self._newest[patch]), *results.explained_of(patch)
                 self._drift.learn(*known, patch)
@@ -373,6 +409,7 @@ class Updater:
         self._means.reset()
         self._drift.reset()
         self._smoothed_ns[:] = 0
+        self._unended_ns[:] = 0
         self._kept.patches[:] = np.zeros(1, PATCH)
         go_on_from(self._kept, self._contacts)
         self.tracks[0] = 0

@@ -231,6 +231,7 @@ def take_over(
     gap: Floats,
     iterations: Ints,
     invalid: Ints,
+    settled: Flags,
     sides: Ints,
     readings: Ints,
     patient: bool,
@@ -239,6 +240,7 @@ def take_over(
     patches: Rows,
     followed: Ints,
     touched: Ints,
+    unended: Ints,
 ) -> int:
     """Take over the answers of patches with a new reading; drop those that are too old.
 
@@ -246,7 +248,7 @@ def take_over(
     ----------
     arrived, newest : (P,) arrays
         As `condition` writes them.
-    answer, rung, gap, iterations, invalid : (P,) arrays
+    answer, rung, gap, iterations, invalid, settled : (P,) arrays
         Of the engine's results.
     sides : (R,) array
         Nodes a side of each rung.
@@ -262,6 +264,8 @@ def take_over(
         Not 0 where a patch has contacts that may come back.
     touched : (P,) array
         Receives the patches with a new answer that something touches, or whose contacts may.
+    unended : (P,) array, ns
+        Since when each search has not come to its end; 0: it has, or nothing touches.
 
     Returns
     -------
@@ -271,6 +275,10 @@ def take_over(
     count = 0
     for patch in range(len(patches)):
         row = patches[patch]
+        if arrived[patch] > 0 and (settled[patch] or answer[patch] <= IDLE):
+            unended[patch] = 0
+        elif arrived[patch] > 0 and unended[patch] == 0:
+            unended[patch] = now_ns
         waits = patient and answer[patch] == LINEAR and row.answer > LINEAR
         row.fresh = 0 if waits and row.stamp_ns >= oldest_ns else arrived[patch]
         if row.fresh > 0:
@@ -286,6 +294,7 @@ def take_over(
                 count += 1
         elif row.answer > MISSING and row.stamp_ns < oldest_ns:
             row.answer, row.rung, row.gap = MISSING, 0, np.nan
+            unended[patch] = 0
             clear(row)
     return count
 

@@ -67,6 +67,8 @@ def viewer_notes(status: Mapping[str, Any], simulated: bool) -> list[str]:
     said += [*str(notes.get("replay", "")).split("; ")[1:], *notes.get("damage", [])]
     readings = (notes.get("readings") or {}).items()
     said += [f"{patch}: {text}" for patch, texts in readings for text in texts]
+    if searching := notes.get("searching"):
+        said.append(f"{', '.join(searching)}: searches do not end in time, a longer deadline helps")
     made = tuple(f"{patch['name']}:" for patch in status.get("patches", []) if simulated)
     tare = [text for text in notes.get("tare") or [] if NOT_TOLD not in text]
     said += [text for text in tare if not text.startswith(made)]

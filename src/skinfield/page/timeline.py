@@ -61,7 +61,8 @@ class Timeline:
     ----------
     told : dict or None
         `times` and total `force` of equal parts of the recording, s and N, the largest of each
-        that has a cycle; `touches`: pairs of times. None until they are known.
+        that has a cycle; `touches`: pairs of times; `contacts`: pairs of times and forces of each,
+        by its key. None until they are known.
     damage : str
         Why it could not be read to its end, if so.
     """
@@ -78,6 +79,7 @@ class Timeline:
     def _run(self) -> None:
         force = np.full(BINS, np.nan)  # parts without a cycle stay so, and are not told
         touches: dict[int, list[float]] = {}
+        forces: dict[int, dict[int, float]] = {}  # of each track, by parts
         try:
             for cycle in LiveRecording.open(self._path).cycles():
                 if self._closed:
@@ -87,17 +89,28 @@ class Timeline:
                     self._fresh.append(time_s)
                 part = min(int(BINS * time_s / max(self._end_s, 1e-9)), BINS - 1)
                 force[part] = np.fmax(force[part], cycle.contacts["normal_force"].sum())
-                for track in cycle.contacts["track"].tolist():
+                seen = cycle.contacts["track"].tolist(), cycle.contacts["normal_force"].tolist()
+                for track, newtons in zip(*seen, strict=True):
                     touches.setdefault(track, [time_s, time_s])[1] = time_s
+                    its = forces.setdefault(track, {})
+                    its[part] = max(its.get(part, newtons), newtons)
         except SkinfieldError as error:  # what is before it is told
             self.damage = str(error)
         times = (np.arange(BINS) + 0.5) * (self._end_s / BINS)
         there = np.isfinite(force)
         known = sorted(touches.values())[:MOST_TOUCHES]
+        longest = sorted(forces, key=lambda track: -len(forces[track]))[:MOST_TOUCHES]
         self.told = {
             "times": np.round(times[there], 4).tolist(),
             "force": np.round(force[there], 4).tolist(),
             "touches": [[round(begin, 3), round(end, 3)] for begin, end in known],
+            "contacts": {
+                f"{self._path.name} {track}": [
+                    np.round(times[list(forces[track])], 4).tolist(),
+                    np.round(list(forces[track].values()), 4).tolist(),
+                ]
+                for track in longest
+            },
         }
 
     def step(self, time_s: float, count: int) -> float:

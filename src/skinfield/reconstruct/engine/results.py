@@ -40,6 +40,8 @@ class PatchResults:
         Taxels that were left out.
     age : int64 array
         Cycles since a touched patch was last searched.
+    settled : bool array
+        Whether the search of a touched patch came to its end.
     """
 
     def __init__(self, work: Clockwork, rows: Sequence[int]) -> None:
@@ -53,6 +55,7 @@ class PatchResults:
         self.iterations: Ints = self._in_order(state.iterations)
         self.invalid: Ints = self._in_order(state.invalid)
         self.age: Ints = self._in_order(state.age)
+        self.settled: NDArray[np.bool_] = self._in_order(state.settled)
         self._fields = [self._fields_of(row) for row in self._rows]
         self._whites = [work.intake.white[work.intake.rows_of(row)] for row in self._rows]
 
