@@ -127,6 +127,7 @@ FINER = 0.25  # part of the inferred one, at which more of them are sought
 FINER_GAIN = 0.5  # ln odds by which what that finds is chosen where it takes several readings
 STRONG = 20.0  # deviations of a reading, from which the model may be what is wrong
 LARGEST = 0.2  # model error, from which on contacts explain nothing
+AGAIN = 50  # readings for which contacts explain nothing, before they are sought afresh
 ROUNDS = 5  # of searches, until the noise is as what is left over
 RISE, FALL = 1.5, 3.0  # of the readings' squares over the noise: then shapes are compared again
 WORSE = 2.0  # times a model error, from which sets of atoms are compared at once
@@ -345,7 +346,7 @@ def take_turn(fit: Fit, common: float, deadline: int) -> int:
     memory.marks[LATE] = not (resting or paused)
     if resting:
         marks[GRADUAL] = 0
-        numbers[IN_VAIN] = numbers[COMPARED_SPREAD] = -1.0
+        marks[TURN], numbers[IN_VAIN], numbers[COMPARED_SPREAD] = 0, -1.0, -1.0
         if memory.counts[NOW] and not is_short(memory, INFERRING, memory.counts[NOW], deadline):
             infer(fit, common)
             learn(fit)
@@ -411,6 +412,10 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
             elif not (like and explained) or may_gain(fit):
                 begin_comparison(fit, numbers[MISFIT], False)
                 marks[GRADUAL] = like and explained
+        elif numbers[MISFIT] > LARGEST:
+            marks[TURN] += 1
+            if marks[TURN] > AGAIN:
+                begin_afresh(fit)
         if scale < 1.0 and numbers[SCALE] <= 1.0:
             numbers[SCALE] *= scale
         elif scale != 1.0:
