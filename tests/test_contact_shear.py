@@ -18,8 +18,7 @@ from skinfield.elastic import (
 from skinfield.errors import Floats
 from skinfield.simulate import Sphere
 from skinfield.simulate.pressing.press import Press, press, readings_around
-from skinfield.solve.atoms.shear_table import shear_readings
-from skinfield.solve.atoms.table import BALL
+from skinfield.solve.atoms.shear_table import Traction, shear_readings
 
 LAYER, PATCH, NOISE = Layer(2e-3, 150e3, 0.5), sf.layouts.hexagon72(), 0.0005
 FORCE, PUSH, CENTRE = 1.0, (0.35, -0.2), (0.0, 0.0)
@@ -60,8 +59,8 @@ def test_the_dipole_is_that_of_the_press(name: str, share: float) -> None:
         made = pushed((0.4, 0.0), friction, CENTRE)
         around = readings_around(made, PATCH.pad_diameter, name)
         found, r = around.harmonics[1] / 0.4, around.distance
-        radius = np.array([np.sqrt(made.contact_area / np.pi)])
-        per_distance = shear_readings(physics, (BALL,), radius, r / LAYER.thickness)[0, 0]
+        even = Traction.even(np.sqrt(made.contact_area / np.pi) / LAYER.thickness)
+        per_distance = shear_readings(physics, [even], r / LAYER.thickness)[0]
         model = per_distance * r / LAYER.thickness
         off = np.sqrt(np.mean(r * (found - model) ** 2) / np.mean(r * found**2))
         assert off < share
@@ -96,5 +95,5 @@ def test_what_only_presses_has_no_push(rec: sf.Reconstructor) -> None:
 @pytest.mark.parametrize("mechanics", [BondedLayer(inextensible_cover=True), HalfSpace()])
 def test_where_nothing_tells_of_a_push_none_is_sought(mechanics: Mechanics) -> None:
     physics = Physics(LAYER, mechanics, Capacitance(), PATCH.pad_diameter)
-    made = shear_readings(physics, (BALL,), np.array([2e-3]), np.linspace(0.0, 5.0, 9))
-    assert made.shape == (1, 1, 0)
+    made = shear_readings(physics, [Traction.even(1.0)], np.linspace(0.0, 5.0, 9))
+    assert made.shape == (1, 0)

@@ -7,7 +7,8 @@ import numpy as np
 from skinfield.compiled import inner, njit
 from skinfield.errors import Floats, Ints
 from skinfield.solve.atoms.atom_readings import PARAMETERS, predict
-from skinfield.solve.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG, factor, solve_factored
+from skinfield.solve.atoms.cholesky_kernel import factor, solve_factored
+from skinfield.solve.atoms.fit_kernel import HIGHEST_LOG, LOWEST_LOG
 from skinfield.solve.atoms.table import Tables
 
 

@@ -251,6 +251,29 @@ def put_on(row: Any, x: float, y: float, positions: Floats, normals: Floats, col
 
 
 @inner
+def lay_along(row: Any, x: float, y: float, positions: Floats, columns: int) -> None:
+    """Turn a force along the skin, at `x` and `y` in cells, from the plane into the frame."""
+    left = min(max(int(x), 0), max(columns - 2, 0))
+    low = min(max(int(y), 0), max(len(positions) // columns - 1, 0))
+    first, second = low * columns + left, low * columns + min(left + 1, columns - 1)
+    shear, normal = row["shear"], row["normal"]
+    by_x, by_y, across, square = shear[0], shear[1], 0.0, 0.0
+    for axis in range(3):
+        across += (positions[second, axis] - positions[first, axis]) * normal[axis]
+    for axis in range(3):
+        shear[axis] = positions[second, axis] - positions[first, axis] - across * normal[axis]
+        square += shear[axis] * shear[axis]
+    size = np.sqrt(square)
+    if not size > 0.0:
+        shear[0] = shear[1] = shear[2] = 0.0
+        return
+    a, b, c = shear[0] / size, shear[1] / size, shear[2] / size
+    shear[0] = by_x * a + by_y * (normal[1] * c - normal[2] * b)
+    shear[1] = by_x * b + by_y * (normal[2] * a - normal[0] * c)
+    shear[2] = by_x * c + by_y * (normal[0] * b - normal[1] * a)
+
+
+@inner
 def deviations(
     cells: Ints,
     total: float,

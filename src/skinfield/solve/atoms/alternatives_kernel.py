@@ -7,6 +7,7 @@ import numpy as np
 from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
 from skinfield.solve.atoms.atom_readings import PARAMETERS, is_long, is_sheared
+from skinfield.solve.atoms.cholesky_kernel import factor
 from skinfield.solve.atoms.dictionary import StartMemory, Templates
 from skinfield.solve.atoms.fit_kernel import (
     ALONE,
@@ -19,7 +20,6 @@ from skinfield.solve.atoms.fit_kernel import (
     WHITE,
     FitMemory,
     FitModel,
-    factor,
     free_system,
 )
 from skinfield.solve.atoms.posterior_kernel import (

@@ -21,6 +21,7 @@ from skinfield.solve.atoms.atom_readings import (
     is_sheared,
     parameter_of,
 )
+from skinfield.solve.atoms.cholesky_kernel import factor, solve_factored
 from skinfield.solve.atoms.table import Tables
 from skinfield.solve.clock import now_ns
 
@@ -382,38 +383,6 @@ RISE, FALL = 4.0, 0.2  # of the damping, after a step that failed, and at least 
 FIRST_DAMPING, CAREFUL = 1e-3, 0.03  # and at least after a step that failed
 FORESEEN = 0.3  # of the gain of the last step: less is not worth one
 LONGEST_STEP = 1.0  # of any parameter: thicknesses, or e-foldings
-
-
-@inner(_nrt=False)
-def factor(matrix: Floats, size: int) -> bool:
-    """Replace the lower triangle of a matrix, its rows in one, by Cholesky's factor, if it can."""
-    for j in range(size):
-        pivot = matrix[j * size + j]
-        for k in range(j):
-            pivot -= matrix[j * size + k] * matrix[j * size + k]
-        if not pivot > 0.0:
-            return False
-        pivot = np.sqrt(pivot)
-        matrix[j * size + j] = pivot
-        for i in range(j + 1, size):
-            value = matrix[i * size + j]
-            for k in range(j):
-                value -= matrix[i * size + k] * matrix[j * size + k]
-            matrix[i * size + j] = value / pivot
-    return True
-
-
-@inner(_nrt=False)
-def solve_factored(matrix: Floats, size: int, right: Floats) -> None:
-    """Solve in place by the factor of `factor`."""
-    for i in range(size):
-        for k in range(i):
-            right[i] -= matrix[i * size + k] * right[k]
-        right[i] /= matrix[i * size + i]
-    for i in range(size - 1, -1, -1):
-        for k in range(i + 1, size):
-            right[i] -= matrix[k * size + i] * right[k]
-        right[i] /= matrix[i * size + i]
 
 
 @inner(_nrt=False)

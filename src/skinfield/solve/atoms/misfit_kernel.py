@@ -12,6 +12,7 @@ from skinfield.compiled import inner
 from skinfield.errors import Floats
 from skinfield.solve.atoms.alternatives_kernel import prior_evidence
 from skinfield.solve.atoms.atom_readings import PARAMETERS, free_of
+from skinfield.solve.atoms.cholesky_kernel import factor
 from skinfield.solve.atoms.fit_kernel import (
     DEVIATION,
     FAST,
@@ -26,7 +27,6 @@ from skinfield.solve.atoms.fit_kernel import (
     FitModel,
     add_prior,
     evaluate,
-    factor,
     free_system,
     gather,
     take_squares,

@@ -13,14 +13,13 @@ import numpy as np
 from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
 from skinfield.solve.atoms.atom_readings import PARAMETERS, free_of, parameter_of
+from skinfield.solve.atoms.cholesky_kernel import factor, solve_factored
 from skinfield.solve.atoms.fit_kernel import (
     ALONE,
     NOW,
     FitMemory,
     FitModel,
-    factor,
     free_system,
-    solve_factored,
 )
 
 RARER = np.array([0.0, 1.0, 2.0])  # ln odds of a ball over each family, before any reading

@@ -325,3 +325,17 @@ def render(
     for n in range(len(atoms)):
         peak = max(peak, pressure_at(atoms, family, surface, atoms[n, 0], atoms[n, 1]))
     return peak
+
+
+@inner(_nrt=False)
+def profile_spread(family: int, radius: float, surface: PressureTable, terms: Floats) -> float:
+    r"""Second moment along x of a round atom's pressure over its force, m².
+
+    With t² = 1 - r²/a² it is :math:`a^2 \sum_j c_j (1/(e_j+2) - 1/(e_j+4))`, e the powers of t.
+    """
+    pressure_terms(radius, family, surface, terms)
+    total = 0.0
+    for j in range(len(terms)):
+        power = 2.0 * j + (1.0 if family == BALL else -1.0)
+        total += terms[j] * (1.0 / (power + 2.0) - 1.0 / (power + 4.0))
+    return radius * radius * total

@@ -17,6 +17,7 @@ from skinfield.estimate.live_contacts_kernel import (
     XY,
     Y_FORCE,
     YY,
+    lay_along,
     put_on,
     state_deviations,
 )
@@ -30,7 +31,7 @@ from skinfield.solve.atoms.render_kernels import (
     PressureTable,
     held,
     pressure_at,
-    pressure_terms,
+    profile_spread,
     render,
 )
 from skinfield.solve.atoms.split_kernel import PairMemory, mix_covariance, rival_of
@@ -389,20 +390,6 @@ def is_inside(drawing: Drawing, count: int, body: int, x: float, y: float) -> bo
 
 
 @inner(_nrt=False)
-def profile_spread(family: int, radius: float, surface: PressureTable, terms: Floats) -> float:
-    r"""Second moment along x of a round atom's pressure over its force, m².
-
-    With t² = 1 - r²/a² it is :math:`a^2 \sum_j c_j (1/(e_j+2) - 1/(e_j+4))`, e the powers of t.
-    """
-    pressure_terms(radius, family, surface, terms)
-    total = 0.0
-    for j in range(len(terms)):
-        power = 2.0 * j + (1.0 if family == BALL else -1.0)
-        total += terms[j] * (1.0 / (power + 2.0) - 1.0 / (power + 4.0))
-    return radius * radius * total
-
-
-@inner(_nrt=False)
 def free_border(drawing: Drawing, count: int, body: int, n: int) -> float:
     """Share of an atom's border that lies in no other atom of its body."""
     atom, free = drawing.atoms[n], 0
@@ -561,29 +548,6 @@ def stand(grid: RowGrid, row: Any) -> None:
     x, y = (row["x"] - mesh.x) / mesh.pitch, (row["y"] - mesh.y) / mesh.pitch
     put_on(row, x, y, grid.positions, grid.normals, mesh.columns)
     lay_along(row, x, y, grid.positions, mesh.columns)
-
-
-@inner(_nrt=False)
-def lay_along(row: Any, x: float, y: float, positions: Floats, columns: int) -> None:
-    """Turn a force along the skin, at `x` and `y` in cells, from the plane into the frame."""
-    left = min(max(int(x), 0), max(columns - 2, 0))
-    low = min(max(int(y), 0), max(len(positions) // columns - 1, 0))
-    first, second = low * columns + left, low * columns + min(left + 1, columns - 1)
-    shear, normal = row["shear"], row["normal"]
-    by_x, by_y, across, square = shear[0], shear[1], 0.0, 0.0
-    for axis in range(3):
-        across += (positions[second, axis] - positions[first, axis]) * normal[axis]
-    for axis in range(3):
-        shear[axis] = positions[second, axis] - positions[first, axis] - across * normal[axis]
-        square += shear[axis] * shear[axis]
-    size = np.sqrt(square)
-    if not size > 0.0:
-        shear[0] = shear[1] = shear[2] = 0.0
-        return
-    a, b, c = shear[0] / size, shear[1] / size, shear[2] / size
-    shear[0] = by_x * a + by_y * (normal[1] * c - normal[2] * b)
-    shear[1] = by_x * b + by_y * (normal[2] * a - normal[0] * c)
-    shear[2] = by_x * c + by_y * (normal[0] * b - normal[1] * a)
 
 
 @inner

@@ -22,14 +22,14 @@ The traction is taken to be even over the contact: it is as the pressure where a
 highest at the rim where all of it sticks.
 """
 
-from functools import lru_cache
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Gap, Layer, Physics
+from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Gap, Physics
 from skinfield.elastic.hankel import LayerTransfer, electrostatic, gauss_legendre, jinc
 from skinfield.errors import Floats
-from skinfield.solve.atoms.table import RING, load_quadrature
 
 CUTOFF, PANELS = 46.0, 120  # of integrals over k
 TERMS, PLACES = 10, 24  # of the pressure, and where the surface is held
@@ -37,28 +37,44 @@ EVEN = 24  # rings of an even traction
 SMALLEST_PLACE = 1e-3  # thicknesses: where the slope at the axis is taken
 
 
-def shear_readings(physics: Physics, families: tuple[int, ...], radii: Floats, r: Floats) -> Floats:
-    """Readings over r (families, radii, distances) per newton and ratio, r in thicknesses.
+class Traction(NamedTuple):
+    """Traction along the skin of 1 N below a round contact; lengths in thicknesses.
 
-    Empty in the last direction where no reading tells of a force along the skin, or none is known:
-    below an inextensible cover, on a half-space, and of other quantities.
+    `forces` (M,), of sum 1, on rings of `radii` (M,); the body holds the skin within `held`, 0 for
+    nowhere.
+    """
+
+    radii: Floats
+    forces: Floats
+    held: float
+
+    @classmethod
+    def even(cls, radius: float) -> "Traction":
+        """The same all over a contact that holds the skin."""
+        node, share = np.polynomial.legendre.leggauss(EVEN)
+        return cls(radius * np.sqrt((node + 1) / 2), share / 2, radius)
+
+
+def shear_readings(physics: Physics, tractions: Sequence[Traction], r: Floats) -> Floats:
+    """Readings over r (N, distances) of N tractions per newton and ratio, r in thicknesses.
+
+    Without distances where no reading tells of a force along the skin, or none is known: below an
+    inextensible cover, on a half-space, and of other quantities.
     """
     quantity, mechanics = physics.quantity, physics.mechanics
     bonded = isinstance(mechanics, BondedLayer) and not mechanics.inextensible_cover
     if not bonded or not isinstance(quantity, Capacitance | Gap | BaseStress):
-        return np.empty((len(families), len(radii), 0))
+        return np.empty((len(tractions), 0))
     from scipy.special import j1
 
-    layer, h = physics.layer, physics.layer.thickness
     k, weight = gauss_legendre(0.0, CUTOFF, PANELS)
     places = np.maximum(r, SMALLEST_PLACE)
     waves = j1(np.outer(places, k)) * weight / places[:, None]
     pushed, held = _by_quantity(physics, k)
-    out = np.empty((len(families), len(radii), len(r)))
-    for row, family in enumerate(families):
-        for index, radius in enumerate(radii):
-            traction, pressure = _loads(layer, family, radius / h)
-            out[row, index] = waves @ (held * pressure - pushed * traction)
+    out = np.empty((len(tractions), len(r)))
+    for row, each in enumerate(tractions):
+        traction, pressure = _loads(physics.layer.poisson_ratio, each)
+        out[row] = waves @ (held * pressure - pushed * traction)
     return out
 
 
@@ -78,19 +94,15 @@ def _by_quantity(physics: Physics, k: Floats) -> tuple[Floats, Floats]:
     return pads * (1 + nu) * transfer.coupling(k), pads * 2 * (1 - nu**2) * transfer.normal(k)
 
 
-@lru_cache(maxsize=256)
-def _loads(layer: Layer, family: int, a: float) -> tuple[Floats, Floats]:
+def _loads(nu: float, given: Traction) -> tuple[Floats, Floats]:
     """Transforms of a traction along the skin of 1 N, and of the pressure that holds the skin."""
     from scipy.special import j0, j1
 
-    k, weight = gauss_legendre(0.0, CUTOFF, PANELS)
-    if family == RING:  # is hardly wider than it is thick, and holds nothing
-        rings, forces = load_quadrature(layer, BondedLayer(), RING, a * layer.thickness)
-        return j0(np.outer(k, rings / layer.thickness)) @ forces, np.zeros_like(k)
-    node, share = np.polynomial.legendre.leggauss(EVEN)
-    rings, forces = a * np.sqrt((node + 1) / 2), share / 2
+    (k, weight), (rings, forces, a) = gauss_legendre(0.0, CUTOFF, PANELS), given
     traction = j0(np.outer(k, rings)) @ forces
-    nu, transfer = layer.poisson_ratio, LayerTransfer(layer.poisson_ratio)
+    if a == 0.0:
+        return traction, np.zeros_like(k)
+    transfer = LayerTransfer(nu)
     x = a * np.sin((np.arange(PLACES) + 0.5) * np.pi / (2 * PLACES))
     waves = j1(np.outer(x, k)) * weight
     rise = waves @ (transfer.coupling_rest(k) * traction)

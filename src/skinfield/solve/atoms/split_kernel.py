@@ -14,6 +14,7 @@ from skinfield.compiled import inner
 from skinfield.errors import Floats, Ints
 from skinfield.solve.atoms.alternatives_kernel import GAP, apart
 from skinfield.solve.atoms.atom_readings import PARAMETERS, free_of, parameter_of
+from skinfield.solve.atoms.cholesky_kernel import factor, solve_factored
 from skinfield.solve.atoms.dictionary import BLOCK, RADII, SPACING, Templates
 from skinfield.solve.atoms.fit_kernel import (
     LEFT,
@@ -23,8 +24,6 @@ from skinfield.solve.atoms.fit_kernel import (
     WHITE,
     FitMemory,
     FitModel,
-    factor,
-    solve_factored,
 )
 from skinfield.solve.atoms.posterior_kernel import laplace
 from skinfield.solve.atoms.table import BALL

@@ -34,6 +34,7 @@ from skinfield.elastic import BondedLayer, Capacitance, Layer, Mechanics, Physic
 from skinfield.errors import Floats, Ints
 from skinfield.processes import processors
 from skinfield.skin import Grid, Patch
+from skinfield.solve.atoms.shear_table import Traction, shear_readings
 
 if TYPE_CHECKING:
     from skinfield.elastic.axisymmetric import Indentation
@@ -325,8 +326,6 @@ def tabulate(
     bounds: tuple[float, float] = (SMALLEST, LARGEST),
 ) -> Tables:
     """Readings of families by radius, within bounds in thicknesses, and by distance."""
-    from skinfield.solve.atoms.shear_table import shear_readings
-
     h = physics.layer.thickness
     logs = log_radii(*bounds, LOG_STEP)
     furthest = np.exp(logs[-1]) + physics.pad_diameter / 2 / h + SIGHT
@@ -334,7 +333,8 @@ def tabulate(
     nonlinear = isinstance(physics.quantity, Capacitance) and physics.quantity.order != 1
     make = _nonlinear if nonlinear else _linear
     values, strain = make(physics, families, np.exp(logs) * h, distances * h)
-    shear = shear_readings(physics, tuple(families), np.exp(logs) * h, distances)
+    pushes = [_push(physics, family, a) for family in families for a in np.exp(logs)]
+    shear = shear_readings(physics, pushes, distances).reshape(len(families), len(logs), -1)
     curvature = [np.log(curvature_force(physics.layer, a)) for a in np.exp(logs) * h]
     return Tables(
         coefficients=splines(values, (1, 3)),
@@ -347,6 +347,15 @@ def tabulate(
         sight=SIGHT,
         pad_radius=physics.pad_diameter / 2 / h,
     )
+
+
+def _push(physics: Physics, family: int, radius: float) -> Traction:
+    """Traction along the skin of a contact of a radius, in thicknesses; a ring holds no skin."""
+    if family != RING:
+        return Traction.even(radius)
+    h = physics.layer.thickness
+    rings, forces = load_quadrature(physics.layer, physics.mechanics, RING, radius * h)
+    return Traction(rings / h, forces, 0.0)
 
 
 def splines(values: Floats, axes: tuple[int, ...]) -> Floats:
