@@ -9,6 +9,10 @@ elastic strain p of now's pressure, z lags behind u, too, with the time of relax
 
 It is what `StandardLinearSolid.relaxing_force` does with a whole history, and the inverse of
 `effective_force`, reading after reading.
+
+The strain c / (1 + c) of a gap that is not even over the pad is more than the mean one, up to twice
+below a ball, and never less (Jensen's inequality). So what is left of a press is less than by this
+strain: it is taken off down to nothing, and not beyond.
 """
 
 from collections.abc import Sequence
@@ -99,7 +103,10 @@ def undo_creep(
                     kept * lagged[taxel] + oldest * before[taxel] + newest * strain
                 )
             before[taxel], at[taxel] = strain, stamp
-            strain = (strain - (1.0 - fraction) * lagged[taxel]) / fraction
+            left = (1.0 - fraction) * lagged[taxel]
+            if how == STRAIN and left > max(strain, 0.0):
+                left = max(strain, 0.0)
+            strain = (strain - left) / fraction
             if how == STRAIN:
                 strain = min(strain, STEEPEST)
                 strain /= 1.0 - strain
