@@ -2,13 +2,13 @@
 
 Displacements are linear in the pressure that makes them, its history included, and a taxel reads
 them linearly as a strain. So what each taxel reads is run backwards by itself, whatever touches
-how, for how long and with what area: of the strain u = φ p + (1 - φ) z, whose z lags behind the
-elastic strain p of now's pressure, z lags behind u, too, with the time of relaxation, and
+how, for how long and with what area: of the strain
 
-    p = (u - (1 - φ) z) / φ,    τ dz/dt = u - z,    φ = E∞ / E₀.
+    u = φ p + (1 - φ) z,    τ' dz/dt = p - z,    φ = E∞ / E₀,    τ' = τ / φ,
 
-It is what `StandardLinearSolid.relaxing_force` does with a whole history, and the inverse of
-`effective_force`, reading after reading.
+p is the elastic one of now's pressure, and z what lags behind it. A straight line from the p before
+to that of now moves z by known parts of both, at any spacing, so that each reading gives its p: the
+inverse of `StandardLinearSolid.effective_force`, reading after reading.
 
 The strain c / (1 + c) of a gap that is not even over the pad is more than the mean one, up to twice
 below a ball, and never less (Jensen's inequality). So what is left of a press is less than by this
@@ -35,7 +35,7 @@ Flags = NDArray[np.bool_]
 def lag_weights(part: float) -> tuple[float, float]:
     """What is kept of a lag, and the weight of the newest value, after a part of its time.
 
-    See `elastic.viscoelastic.lagged`: exact between samples that straight lines join.
+    The value before has the rest; see `elastic.viscoelastic.lagged`.
     """
     kept = np.exp(-part)
     return kept, 1.0 + np.expm1(-part) / part if part > 0.0 else 0.0
@@ -73,12 +73,13 @@ def undo_creep(
     standing : bool
         Whether what a taxel reads first has stood for long; else it rested until then.
     state : tuple of arrays
-        Of each taxel its lagged strain, its last strain, its last result, and when that was; 0 of
-        one that has not answered yet.
+        Of each taxel its lagged strain, its elastic strain, its result, and when that was; 0 of one
+        that has not answered yet.
     """
-    lagged, before, result, at = state
+    lagged, elastic, result, at = state
     for patch in range(len(stamps)):
         fraction, stamp = solids[0][patch], stamps[patch]
+        time_constant = solids[1][patch] / fraction
         if fraction == 1.0 or stamp == 0:
             continue
         since, kept, newest = np.int64(-1), 1.0, 0.0
@@ -92,21 +93,19 @@ def undo_creep(
             if how == STRAIN:
                 strain /= 1.0 + strain
             if at[taxel] == 0 or stamp < at[taxel] - BACK_NS:
-                lagged[taxel] = strain if standing else 0.0
-            else:
-                passed = max(stamp - at[taxel], 0)
-                if passed != since:
-                    since = passed
-                    kept, newest = lag_weights(NS * passed / solids[1][patch])
-                oldest = 1.0 - kept - newest
-                lagged[taxel] = (
-                    kept * lagged[taxel] + oldest * before[taxel] + newest * strain
-                )
-            before[taxel], at[taxel] = strain, stamp
-            left = (1.0 - fraction) * lagged[taxel]
+                lagged[taxel] = elastic[taxel] = strain if standing else 0.0
+                at[taxel] = stamp
+            passed = max(stamp - at[taxel], 0)
+            if passed != since:
+                since = passed
+                kept, newest = lag_weights(NS * passed / time_constant)
+            late = kept * lagged[taxel] + (1.0 - kept - newest) * elastic[taxel]
+            left = (1.0 - fraction) * late
             if how == STRAIN and left > max(strain, 0.0):
                 left = max(strain, 0.0)
-            strain = (strain - left) / fraction
+            strain = (strain - left) / (fraction + (1.0 - fraction) * newest)
+            lagged[taxel], elastic[taxel] = late + newest * strain, strain
+            at[taxel] = max(at[taxel], stamp)
             if how == STRAIN:
                 strain = min(strain, STEEPEST)
                 strain /= 1.0 - strain
