@@ -24,6 +24,7 @@ MOST = 1.8  # of a touch, in those that go on to more than `PARTS` know
 GROWTH = 0.3  # exponent by which a contact's radius grows with the force, as of a ball
 GONE = 0.4  # of a touch: less is what is left of it, once it has gone
 CLEAR, FEWEST = 3, 8  # readings before the next touch, in which it may come; after release, to tell
+EARLIER = 10  # readings before a touch, by which what was left before is known
 REST = 0.25  # of the noise: how well the rest of taxels is known, as `touch_presses` has it
 SEEN, BEGUN = 0.5, 0.05  # of what a touch tells; of its amplitude, below which it has not begun
 UNLIKE, ELSE = 0.2, 4.0  # part by which patterns may be off, and deviations: more is another touch
@@ -31,6 +32,7 @@ SHARES, TIMES = (1e-3, 0.6), (0.02, 60.0)  # that are sought
 STARTS = (0.1, 1.0, 8.0)  # s
 ROBUST = 3.0  # deviations, from which on a reading counts less
 SURE, SURE_TIME = 4.0, 0.5  # deviations of the share from 0, and of ln time: else nothing is told
+FADES, LONG = 1.25, 5  # retardation times without a touch, after so many touches at least
 MODEL = np.array([0.05, 0.05])  # of share and time: parts that patterns are off by
 NS = 1e9
 
@@ -57,12 +59,16 @@ class Relaxation:
 
 
 class Trace(NamedTuple):
-    """Amplitudes (T,) of one touch at times (T,) ns, from which on it is gone, and their noise."""
+    """Amplitudes (T,) of one touch at times (T,) ns, from which on it is gone, and their noise.
+
+    And that before it: what touches before it have left.
+    """
 
     stamps: NDArray[np.int64]
     amplitude: Floats
     gone: int
     noise: float
+    before: float = 0.0
 
 
 def traces(
@@ -152,6 +158,8 @@ def _trace(
     begin = int(begun[-1]) if len(begun) else 0
     if pressed[begin:gone].max() > MOST:  # it is what a touch has left, and no touch
         return None
+    earlier = remains[max(begin + 1 - EARLIER, 0) : begin + 1]
+    earlier = earlier[np.isfinite(earlier)]
     joined = np.where(np.arange(len(along)) < gone, pressed, remains)
     good = np.isfinite(joined)
     good[:begin] = good[end:] = False
@@ -159,7 +167,9 @@ def _trace(
         return None
     slope = PARTS[0] / float(left[0] @ unit)
     noise_of_part = slope / float(np.sqrt(scale[last]))
-    return Trace(stamps[good], joined[good], int(good[:gone].sum()), noise_of_part)
+    left_before = float(earlier.mean()) if len(earlier) >= CLEAR else 0.0
+    known = stamps[good], joined[good], int(good[:gone].sum()), noise_of_part
+    return Trace(*known, left_before)
 
 
 def _inverse(along: Floats, known: Floats) -> Floats:
@@ -191,8 +201,11 @@ def relaxation(found: list[Trace]) -> Relaxation | None:
         return None
     share, log_time = best.x
     deviation = np.sqrt(larger * np.diag(np.linalg.inv(gram)))
+    spans = np.array([np.ptp(each.stamps[each.gone :]) for each in found]) / NS
+    long = np.sum(spans > FADES * np.exp(log_time) / (1.0 - share))
     inside = SHARES[0] < share < SHARES[1] and TIMES[0] * 1.01 < np.exp(log_time) < TIMES[1] * 0.99
-    if not inside or share < SURE * deviation[0] or deviation[1] > SURE_TIME:
+    sure = share > SURE * deviation[0] and deviation[1] < SURE_TIME and long >= LONG
+    if not inside or not sure:
         return None
     deviation = np.hypot(deviation, MODEL * [share, 1.0])
     solid = StandardLinearSolid(1.0 - float(share), float(np.exp(log_time)))
@@ -205,6 +218,7 @@ def _left(trace: Trace, share: float, log_time: float) -> Floats:
     solid = StandardLinearSolid(1.0 - float(share), float(np.exp(log_time)))
     creep = CreepCompensation.of(solid, 1, BaseStress())
     since = trace.stamps - trace.stamps[0] + int(NS)  # a stamp of 0 is none
+    creep.go_on_from(np.array([trace.before / share]), int(since[0]))
     table = trace.amplitude[:, None]
     freed = creep.taken(table, np.ones(table.shape, np.bool_), since)[trace.gone :, 0]
     off = freed / trace.noise

@@ -188,6 +188,11 @@ class CreepCompensation:
         self.take(self._one, self._every, self._new, self._stamp)
         return self._one
 
+    def go_on_from(self, lagged: Floats, stamp_ns: int) -> None:
+        """Begin with strains (L,) that lag behind, at a time, from when nothing presses."""
+        self.reset()
+        self._state[0][:], self._state[3][:] = lagged, stamp_ns
+
     def reset(self) -> None:
         """Forget all readings."""
         for each in self._state:
