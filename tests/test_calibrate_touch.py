@@ -304,7 +304,11 @@ def touches_that_creep(
 
     The load's history is sampled each ms; readings come at uneven times.
     """
-    rng, fine, far = np.random.default_rng(seed), np.arange(0.0, 4.2, 1e-3), np.linspace(0, 40e-3, 161)
+    rng, fine, far = (
+        np.random.default_rng(seed),
+        np.arange(0.0, 4.2, 1e-3),
+        np.linspace(0, 40e-3, 161),
+    )
     stamps, rows, row, touches, now = [], [], [], [], 10.0
     middle, half = PATCH.plane.mean(axis=0), 0.3 * np.ptp(PATCH.plane, axis=0)
     for number in range(16):
@@ -335,11 +339,13 @@ def test_relaxation_is_told_by_what_touches_leave(share: float, seconds: float) 
     tables.centre_on(*skin)
     parts = row, touches, skin, ones, NOISE * ones, (tables, PATCH.plane)
     found = relaxation(traces(table, stamps.astype(np.int64), *parts))
-    assert found is not None and found.touches >= 12
+    assert found is not None
+    assert found.touches >= 12
     assert 1.0 - found.solid.relaxed_fraction == pytest.approx(share, abs=0.02)
     assert found.solid.time_constant == pytest.approx(seconds, rel=0.15)
     off = abs(1.0 - found.solid.relaxed_fraction - share) / found.share_std
-    assert off < 3.0 and 0.0 < found.share_std < 0.03
+    assert off < 3.0
+    assert 0.0 < found.share_std < 0.03
     assert abs(found.solid.time_constant - seconds) < 3.0 * found.time_std
 
 
@@ -367,4 +373,5 @@ def test_a_file_holds_the_relaxation_and_every_door_undoes_it(tmp_path: Path) ->
     assert sf.Reconstructor(PATCH, calibration=again).layer.relaxation == made.relaxation
     elastomer, _, _ = options.by_touch(str(tmp_path / "cal.toml"), Elastomer(), ModelSettings())
     assert options.layer_of(elastomer).relaxation == made.relaxation
-    assert found().relaxation is None and "creeps" not in found().verdict
+    assert found().relaxation is None
+    assert "creeps" not in found().verdict

@@ -50,7 +50,9 @@ def test_it_undoes_what_the_solid_does_to_any_history(history, part, seconds) ->
     strain = solid.effective_force(time, pressed)
     read = strain / (1.0 - strain)
     true = np.minimum(pressed, 0.95)
-    assert undone(time, read, solid, sf.Capacitance()) == pytest.approx(true / (1.0 - true), rel=1e-6, abs=1e-8)
+    assert undone(time, read, solid, sf.Capacitance()) == pytest.approx(
+        true / (1.0 - true), rel=1e-6, abs=1e-8
+    )
 
 
 def test_a_step_and_a_ramp_by_their_closed_forms() -> None:
@@ -106,7 +108,8 @@ def test_lost_readings_change_nothing_for_the_others_and_are_bridged() -> None:
     table[100:140, 2] = np.nan
     got = undone(time, table, valid=valid)
     assert got[:, 0] == pytest.approx(load, abs=1e-12)
-    assert (got[100:140, 1] == 77.0).all() and np.isnan(got[100:140, 2]).all()
+    assert (got[100:140, 1] == 77.0).all()
+    assert np.isnan(got[100:140, 2]).all()
     assert got[140:, 1:] == pytest.approx(np.column_stack([load, load])[140:], abs=1e-12)
 
 
@@ -152,7 +155,7 @@ def stamps_of(time):
 
 
 def test_force_is_right_from_the_touch_on_and_nothing_is_left_of_it() -> None:
-    time, force, read = (each[FEW] for each in held_press())
+    time, _, read = (each[FEW] for each in held_press())
     off, ghosts = [], []
     for layer in LAYERS:
         rec = sf.Reconstructor(PATCH, layer, noise_std=SIGMA)
@@ -160,9 +163,10 @@ def test_force_is_right_from_the_touch_on_and_nothing_is_left_of_it() -> None:
         found = np.array(est.normal_force)
         off.append(np.median(found[(time > 0.1) & (time < 0.6)]) - 1.0)
         ghosts.append((found[time > 4.09] > 0.0).mean())
-    print(off, ghosts)
-    assert -0.2 < off[0] < -0.08 and abs(off[1]) < 0.04
-    assert ghosts[0] > 0.5 and ghosts[1] == 0.0
+    assert -0.2 < off[0] < -0.08
+    assert abs(off[1]) < 0.04
+    assert ghosts[0] > 0.5
+    assert ghosts[1] == 0.0
 
 
 def test_without_stamps_a_reading_has_stood_for_long() -> None:

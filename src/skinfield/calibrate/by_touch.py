@@ -160,8 +160,8 @@ class TouchCalibration:
         return (
             f"thickness {self.thickness * 1e3:.3f} ± {self.thickness_std * 1e3:.3f} mm, Poisson's "
             f"ratio {self.poisson_ratio:.4f} ± {self.poisson_std:.4f}, "
-            f"{'under a cover' if self.covered else 'no cover'}; {self._creep}gains spread by {spread:.1%}, "
-            f"each known to {float(np.median(self.gain_std)):.1%}; "
+            f"{'under a cover' if self.covered else 'no cover'}; {self._creep}"
+            f"gains spread by {spread:.1%}, each known to {float(np.median(self.gain_std)):.1%}; "
             f"model error {self.model_error:.1%}; "
             f"{self.presses} presses, {self.left_out} left out; {scale}{doubt}"
         )

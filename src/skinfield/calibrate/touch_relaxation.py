@@ -1,14 +1,14 @@
 """Relaxation of the elastomer, by what taxels go on reading where a touch has been.
 
 Nothing presses once a touch is gone: what is read then is what the layer remembers, in the pattern
-of the touch, whose place and contact are known. So each reading from a touch on until the next gives
-one amplitude, that of the deformation in units of the touch; and the solid is sought whose inverse
-(see `signal.creep`) makes nothing of all those after release. How hard and how steadily somebody
-pressed does not matter.
+of the touch, whose place and contact are known. So each reading from a touch on until the next
+gives one amplitude, that of the deformation in units of the touch; and the solid is sought whose
+inverse (see `signal.creep`) makes nothing of all those after release. How hard and how steadily
+somebody pressed does not matter.
 """
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -175,7 +175,7 @@ def _trace(
 def _inverse(along: Floats, known: Floats) -> Floats:
     """Parts that read as along (T,), of what `PARTS` read; straight on below the least."""
     low = along * (PARTS[0] / known[0])
-    return np.where(along < known[0], low, np.interp(along, known, PARTS))
+    return np.asarray(np.where(along < known[0], low, np.interp(along, known, PARTS)))
 
 
 def relaxation(found: list[Trace]) -> Relaxation | None:
@@ -185,15 +185,17 @@ def relaxation(found: list[Trace]) -> Relaxation | None:
     if not found:
         return None
     low, high = np.array([SHARES, np.log(TIMES)]).T
-    best = None
+
+    def left(sought: Floats) -> Floats:
+        return np.concatenate([_left(each, *sought) for each in found])
+
+    best: Any = None
     for start in STARTS:
         tried = least_squares(
-            lambda x: np.concatenate([_left(each, *x) for each in found]),
-            [0.1, np.log(start)], bounds=(low, high), loss="soft_l1", f_scale=ROBUST,
-            x_scale=[0.05, 0.3], diff_step=1e-3,
+            left, [0.1, np.log(start)], bounds=(low, high), loss="soft_l1", f_scale=ROBUST,
+            x_scale=[0.05, 0.3], diff_step=[1e-3, 1e-3],
         )  # fmt: skip
         best = tried if best is None or tried.cost < best.cost else best
-    assert best is not None
     count = len(best.fun) - len(found)
     larger = max(2.0 * best.cost / max(count - 2, 1), 1.0)  # than noise makes it
     gram = best.jac.T @ best.jac

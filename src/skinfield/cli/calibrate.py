@@ -295,8 +295,8 @@ def touch(
 
     Some hundred presses of balls, fingertips or tools, one at a time, all over the skin, tell how
     thick the elastomer is, its Poisson's ratio, whether a cover lies on it, and the gain of each
-    taxel beside the others. Touches that are followed by a second or more without one also tell how
-    the elastomer creeps, which is undone from then on. Forces remain relative until one is known, as of a weight laid down.
+    taxel beside the others. Pauses of some seconds after touches also tell how the elastomer creeps,
+    which is then undone. Forces remain relative until one is known, as of a weight laid down.
 
       skinfield calibrate touch presses.csv --skin palm.toml -o cal.toml --report palm
       skinfield calibrate touch presses.csv --skin palm.toml --known 0.981 --at 12.5,14 -o cal.toml

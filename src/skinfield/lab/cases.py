@@ -274,8 +274,8 @@ class Case:
         history = self.history
         if len(history):
             history = history + rng.standard_normal(history.shape) * noise
-        noisy = {"readings": self.readings + added, "noise_std": noise, "history": history}
-        return replace(self, **noisy, noisy=True)
+        readings = self.readings + added
+        return replace(self, readings=readings, noise_std=noise, history=history, noisy=True)
 
 
 def truth_of_press(press: Press, pose: Pose) -> Truth:

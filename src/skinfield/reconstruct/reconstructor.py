@@ -94,10 +94,10 @@ class Reconstructor:
     ----------
     patch : Patch
     layer : Layer, optional
-        Default `Layer()`: 2 mm of incompressible silicone of 150 kPa. Where it creeps, readings with
-        stamps are freed from what is left of those before, reading after reading: so hand them in
-        in order, by one thread, from when nothing pressed; those without stamps are taken to have
-        stood for long.
+        Default `Layer()`: 2 mm of incompressible silicone of 150 kPa. Where it creeps
+        (`relaxation`), readings with stamps are freed from what is left of those before: hand them
+        in by one thread, in order, from when nothing pressed. Those without stamps are taken to
+        have stood for long.
     grid : Grid, optional
         Where the answer is wanted. Default 40 x 40 nodes over the patch. Pressure outside of a
         window is sought as well, so that the window need not explain it.

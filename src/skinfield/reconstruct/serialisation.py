@@ -97,7 +97,11 @@ def plain_from_value(name: str, value: Any) -> Any:
     )
 
 
-OLDER: dict[str, Any] = {"common_mode": 0.0, "model_error": 0.0, "relaxation": None}  # what files mean that do not have these
+OLDER: dict[str, Any] = {
+    "common_mode": 0.0,
+    "model_error": 0.0,
+    "relaxation": None,
+}  # what files mean that do not have these
 
 
 def value_from_plain(name: str, plain: Any) -> Any:

@@ -154,7 +154,8 @@ class CreepCompensation:
         self._how = STRAIN if strains else LINEAR
         rows = np.zeros((4, len(self.noise_factor)))
         self._state = rows[0], rows[1], rows[2], np.zeros(rows.shape[1], np.int64)
-        self._one, self._every = rows[3], np.ones(rows.shape[1], np.bool_)
+        self._one: Floats = rows[3]
+        self._every = np.ones(rows.shape[1], np.bool_)
         self._new, self._stamp = np.ones(1, np.int64), np.zeros(1, np.int64)
         if self.active:  # load what is compiled
             once = np.ones(len(solids), np.int64)
@@ -162,7 +163,9 @@ class CreepCompensation:
             self.reset()
 
     @classmethod
-    def of(cls, solid: StandardLinearSolid | None, taxels: int, quantity: Quantity) -> "CreepCompensation":
+    def of(
+        cls, solid: StandardLinearSolid | None, taxels: int, quantity: Quantity
+    ) -> "CreepCompensation":
         """Of one patch, whose skin rested before its first reading."""
         return cls([solid], np.array([0, taxels]), quantity)
 

@@ -82,6 +82,7 @@ def check_names(name: str, given: Mapping[str, object], known: Sequence[str]) ->
 
 
 def layer_of(patch: Patch, layer: Layer | Mapping[str, Layer] | None) -> Layer:
+    """Layer of a patch; raises InputError where a mapping does not have it."""
     if isinstance(layer, Mapping):
         if patch.name not in layer:
             raise InputError(
