@@ -295,7 +295,7 @@ def touch(
 
     Some hundred presses of balls, fingertips or tools, one at a time, all over the skin, tell how
     thick the elastomer is, its Poisson's ratio, whether a cover lies on it, and the gain of each
-    taxel beside the others. Pauses of some seconds after touches also tell how the elastomer creeps,
+    taxel beside the others. Pauses of seconds after touches also tell how the elastomer creeps,
     which is then undone. Forces remain relative until one is known, as of a weight laid down.
 
       skinfield calibrate touch presses.csv --skin palm.toml -o cal.toml --report palm

@@ -226,7 +226,7 @@ class World:
         assert solid is not None  # what creeps is stated
         seconds, reads = _times(self.after, self.released), (case.patch.pad_diameter, case.quantity)
         parts = np.linspace(solid.relaxed_fraction, 1.0 if self.released else self.share, 3)
-        solved = [self._solved(stated, *_again(press, part / self.share)) for part in parts]
+        solved = [self._solved(stated, *_bodies_of(press, part / self.share)) for part in parts]
         terms = np.polynomial.polynomial.polyfit(parts, [p.readings(at, *reads) for p in solved], 2)
         history = np.zeros((len(seconds), len(at)))
         for row, now in enumerate(seconds.tolist()):
@@ -255,7 +255,7 @@ def _times(after: float, released: bool) -> Floats:
     return np.concatenate([since, np.arange(SLOW, dense[0], SLOW), dense])
 
 
-def _again(press: Press, part: float) -> tuple[list[Any], float, float]:
+def _bodies_of(press: Press, part: float) -> tuple[list[Any], float, float]:
     """Bodies of a press with a part of their forces, its extent and its cell."""
     every = zip(press.indenters, press.forces.tolist(), strict=True)
     bodies = [replace(body, force=part * force) for body, force in every]
