@@ -125,7 +125,8 @@ class ResultsWriter:
         """Write what is left, and what was assumed, found and left out."""
         self._flush(self._count)
         if self._creeps is not None:
-            notes = (*notes, f"creep is taken off by {self._creeps!r}")
+            part, seconds = 1.0 - self._creeps.relaxed_fraction, self._creeps.time_constant
+            notes = (*notes, f"creep of {part:.1%} within {seconds:.3g} s is taken off the readings")
         if not self._group["stamp_ns"].shape[0]:
             raise InputError("no reading was written, expected one or more")
         with explained(self.place.target):
