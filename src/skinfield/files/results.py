@@ -126,7 +126,7 @@ class ResultsWriter:
         self._flush(self._count)
         if self._creeps is not None:
             part, seconds = 1.0 - self._creeps.relaxed_fraction, self._creeps.time_constant
-            notes = (*notes, f"creep of {part:.1%} within {seconds:.3g} s is taken off the readings")
+            notes = (*notes, f"creep of {part:.1%} within {seconds:.3g} s is taken off")
         if not self._group["stamp_ns"].shape[0]:
             raise InputError("no reading was written, expected one or more")
         with explained(self.place.target):
