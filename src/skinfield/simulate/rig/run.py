@@ -402,7 +402,8 @@ def _felt(
         pressed = ladder.change_at(pose, at, column.astype(np.int64))
         # What is left of a load, once it goes, fades with its field: exactly, when it is gone.
         share = np.divide(held, at, out=np.ones_like(at), where=at > 0.0).clip(0.0, 1.0)
-        begun = np.searchsorted(plan.start, instants[:, 0], side="right") - 1
+        touches = plan.start + scenario.profile.approach
+        begun = np.searchsorted(touches, instants[:, 0], side="right") - 1
         mine = np.flatnonzero(plan.pose == pose)
         last = mine[np.maximum(np.searchsorted(mine, begun, side="right") - 1, 0)]
         left = at[:, column] * ladder.left[plan.load[last], pose]
