@@ -17,7 +17,7 @@ from skinfield.calibrate import by_touch, save_calibration, touch_sampling
 from skinfield.calibrate.press_tables import PressTables
 from skinfield.calibrate.touch_presses import between, noise_of_differences, presses
 from skinfield.calibrate.touch_relaxation import relaxation, traces
-from skinfield.errors import InputError
+from skinfield.errors import FileError, InputError
 from skinfield.files import save_recording
 from skinfield.reconstruct.diagnostics import Conditioning, condition
 from skinfield.simulate import Sphere, press
@@ -374,4 +374,10 @@ def test_a_file_holds_the_relaxation_and_every_door_undoes_it(tmp_path: Path) ->
     elastomer, _, _ = options.by_touch(str(tmp_path / "cal.toml"), Elastomer(), ModelSettings())
     assert options.layer_of(elastomer).relaxation == made.relaxation
     assert found().relaxation is None
+    with pytest.raises(InputError, match="four numbers"):
+        replace(made, relaxation_time=None)
+    text = (tmp_path / "cal.toml").read_text().replace("fraction = 0.85", "fraction = 1.85")
+    (tmp_path / "cal.toml").write_text(text)
+    with pytest.raises(FileError, match="relaxed_fraction"):
+        sf.load_calibration(tmp_path / "cal.toml")
     assert "creeps" not in found().verdict

@@ -114,6 +114,14 @@ class TouchCalibration:
             check_shape(name, getattr(self, name), self.gain.shape, "one per taxel")
         if self.gain.ndim != 1 or not (self.gain > 0.0).all():
             raise InputError("gain holds what is not above 0, expected one above 0 per taxel")
+        stds = self.relaxed_fraction_std, self.relaxation_time_std
+        creep = [self.relaxed_fraction, self.relaxation_time, *stds]
+        if 0 < creep.count(None) < len(creep):
+            raise InputError(
+                f"relaxed_fraction and relaxation_time with their deviations are {creep}, expected "
+                "four numbers, or four times None"
+            )
+        self.relaxation  # noqa: B018 - refuses what no solid has
 
     def __len__(self) -> int:
         return len(self.gain)
