@@ -277,24 +277,22 @@ def test_a_recording_of_counts_becomes_a_file_that_reconstruct_takes(
 
 
 @cache
-def presses_that_creep() -> list[tuple[Any, ...]]:
-    """Balls by the axisymmetric press at several loads: readings by distance, and its contact.
+def press_that_creeps() -> tuple[CubicSpline, CubicSpline, np.ndarray]:
+    """A ball by the axisymmetric press at several loads: readings by distance, and its contact.
 
     And what a tenth of its pressure makes of the layer, whose contact stays.
     """
-    layer, far, made = sf.Layer(2.3e-3, 150e3, 0.47), np.linspace(0.0, 40e-3, 161), []
+    layer, far = sf.Layer(2.3e-3, 150e3, 0.47), np.linspace(0.0, 40e-3, 161)
     places, parts = np.column_stack([far, 0.0 * far]), np.array([0.4, 0.8, 1.0, 1.2])
-    for radius, force in ((4e-3, 1.0), (9e-3, 1.5)):
-        balls = [Sphere(radius=radius, force=force * part) for part in parts]
-        every = [press(layer, [ball], 20e-3, 1e-3) for ball in balls]
-        read = [each.capacitance(places, PATCH.pad_diameter) for each in every]
-        whole = every[2]
-        tenth = tuple(replace(t, traction=0.1 * t.traction) for t in whole.touches)
-        left = replace(whole, touches=tenth).capacitance(places, PATCH.pad_diameter)
-        by_load = CubicSpline(np.r_[0.0, parts], np.vstack([0.0 * far, read]))
-        contact = np.log([force, np.sqrt(whole.contact_area / np.pi)])
-        made.append((by_load, CubicSpline(far, 10.0 * left), contact))
-    return made
+    balls = [Sphere(radius=6e-3, force=1.2 * part) for part in parts]
+    every = [press(layer, [ball], 20e-3, 1e-3) for ball in balls]
+    read = [each.capacitance(places, PATCH.pad_diameter) for each in every]
+    whole = every[2]
+    tenth = tuple(replace(t, traction=0.1 * t.traction) for t in whole.touches)
+    left = replace(whole, touches=tenth).capacitance(places, PATCH.pad_diameter)
+    by_load = CubicSpline(np.r_[0.0, parts], np.vstack([0.0 * far, read]))
+    contact = np.log([whole.force, np.sqrt(whole.contact_area / np.pi)])
+    return by_load, CubicSpline(far, 10.0 * left), contact
 
 
 def touches_that_creep(
@@ -312,7 +310,7 @@ def touches_that_creep(
     stamps, rows, row, touches, now = [], [], [], [], 10.0
     middle, half = PATCH.plane.mean(axis=0), 0.3 * np.ptp(PATCH.plane, axis=0)
     for number in range(16):
-        by_load, left, contact = presses_that_creep()[number % 2]
+        by_load, left, contact = press_that_creeps()
         at, held = middle + rng.uniform(-half, half), rng.uniform(0.6, 1.6)
         load = np.clip(fine / 0.05, 0.0, 1.0) * np.clip((held - fine) / 0.05, 0.0, 1.0)
         load *= 1.0 + 0.1 * np.sin(4.0 * fine + number)
