@@ -14,7 +14,7 @@ from test_live_update import NOW, STEP, answered
 
 import skinfield as sf
 from skinfield.errors import InputError
-from skinfield.signal import CreepCompensation
+from skinfield.signal.creep import CreepCompensation
 from skinfield.simulate import Sphere, press
 
 SOLID = sf.StandardLinearSolid(relaxed_fraction=0.85, time_constant=1.0)

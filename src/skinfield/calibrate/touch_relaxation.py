@@ -17,7 +17,7 @@ from skinfield.calibrate.press_tables import PressTables
 from skinfield.calibrate.touch_fit import readings
 from skinfield.elastic import BaseStress, StandardLinearSolid
 from skinfield.errors import Floats
-from skinfield.signal import CreepCompensation
+from skinfield.signal.creep import CreepCompensation
 
 PARTS = np.array([0.01, 0.05, 0.1, 0.2, 0.35, 0.5, 0.7, 0.85, 1.0, 1.15, 1.4, 2.0])
 MOST = 1.8  # of a touch, in those that go on to more than `PARTS` know

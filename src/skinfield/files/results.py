@@ -45,7 +45,7 @@ from skinfield.reconstruct.serialisation import (
     attributes_from_results,
     results_from_attributes,
 )
-from skinfield.signal import CreepCompensation
+from skinfield.signal.creep import CreepCompensation
 from skinfield.skin import Grid
 
 if TYPE_CHECKING:

@@ -16,7 +16,8 @@ from skinfield.reconstruct.diagnostics import quantity_scale
 from skinfield.reconstruct.engine import Engine, SkinContacts
 from skinfield.reconstruct.engine.engine import prefer
 from skinfield.reconstruct.engine.state import Answer
-from skinfield.signal import Channels, Convention, CreepCompensation
+from skinfield.signal import Channels, Convention
+from skinfield.signal.creep import CreepCompensation
 from skinfield.signal.drift import Drift
 
 RISEN = 0.1  # of the capacitance: more than a layer rises beside the hardest press of a finger

@@ -29,7 +29,7 @@ from skinfield.estimate import ContactFinder, Estimate
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.reconstruct.patch_model import PatchModel, check_parts
 from skinfield.reconstruct.plan import LinearFields, Plan
-from skinfield.signal import CreepCompensation
+from skinfield.signal.creep import CreepCompensation
 from skinfield.skin import Grid, Patch, Skin
 from skinfield.solve import Auto, Solver
 
@@ -109,7 +109,7 @@ class Reconstructor:
         What readings are explained by. Default `Auto()`: few contacts or a field, by evidence.
     noise_std : float or (L,) array, in the quantity's unit, optional
         Standard deviation of one reading. Default the quantity's `typical_noise`. What is solved
-        for has more where the layer creeps; see `signal.CreepCompensation`.
+        for has more where the layer creeps; see `signal.creep`.
     finder : ContactFinder, optional
         How pressure becomes contacts.
     precision : numpy.float64 or numpy.float32

@@ -19,7 +19,6 @@ from skinfield.signal.calibration import save_calibration as save_calibration
 from skinfield.signal.calibration import (
     strain_from_relative_capacitance as strain_from_relative_capacitance,
 )
-from skinfield.signal.creep import CreepCompensation as CreepCompensation
 from skinfield.signal.fault_evidence import Verdict as Verdict
 from skinfield.signal.faults import Faults as Faults
 from skinfield.signal.faults import find_faults as find_faults

@@ -33,7 +33,7 @@ from skinfield.reconstruct.engine.state import NS
 from skinfield.reconstruct.engine.workspace import Clockwork
 from skinfield.reconstruct.multigrid import prepare_rungs
 from skinfield.reconstruct.patch_model import PatchModel, calibrations_of, check_parts
-from skinfield.signal import CreepCompensation
+from skinfield.signal.creep import CreepCompensation
 from skinfield.skin import Patch, Skin
 from skinfield.solve import Auto, Solver
 from skinfield.solve.atoms.fitter import STOPPED

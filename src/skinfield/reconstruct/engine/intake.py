@@ -10,7 +10,7 @@ from skinfield.elastic import Capacitance, Quantity
 from skinfield.errors import Floats, InputError, as_floats
 from skinfield.reconstruct.engine.idle_test import Singles
 from skinfield.reconstruct.engine.patch_kinds import check_names
-from skinfield.signal import CreepCompensation
+from skinfield.signal.creep import CreepCompensation
 from skinfield.skin import Patch
 
 Readings = Mapping[str, ArrayLike] | Sequence[ArrayLike]
