@@ -108,15 +108,14 @@ class Updater:
             *(self._lacking, self._newest, self._arrived),
         )
         self._touched, self._hot = np.zeros(patches, np.int64), np.zeros(patches, np.bool_)
-        solids = [model_config.layer.relaxation] * patches
-        known = self._binding.starts, model_config.quantity
-        self._creep = CreepCompensation(solids, *known, standing=True)
+        solids, quantity = [model_config.layer.relaxation] * patches, model_config.quantity
+        self._creep = CreepCompensation(solids, self._binding.starts, quantity, standing=True)
         self._noise_std = baseline.noise_std * self._creep.noise_factor
         self._means = StationaryMeans(self._binding.starts)
         self._drift = Drift(self._noise_std, self._binding.starts)
         self._idle, self._follows = np.zeros(patches, np.bool_), self.engine.finds_contacts
-        how = model_config.quantity, model_config.layer, self._binding.unit
-        strains, self._scale = quantity_scale(*how)
+        known = model_config.quantity, model_config.layer, self._binding.unit
+        strains, self._scale = quantity_scale(*known)
         self._how = int(update_kernel.STRAIN if strains else update_kernel.CHANGE)
         board = model_config.board
         self._clamps = (-np.inf, np.inf) if board is None else _clamps(board)
