@@ -10,9 +10,10 @@ import pytest
 
 import skinfield as sf
 from skinfield.elastic import ObservationModel
-from skinfield.errors import InputError
+from skinfield.errors import FileError, InputError
 from skinfield.lab import accuracy, case_sets
 from skinfield.lab.accuracy import KNOWN, UNKNOWN, AccuracyPlan, Findings
+from skinfield.lab.case_files import save_case
 from skinfield.lab.case_sets import EXTENDED, SEVERAL, SINGLE, random_cases, random_press
 from skinfield.lab.cases import Case
 from skinfield.lab.score import column, where
@@ -248,6 +249,34 @@ def test_worlds_share_bodies_and_places_and_state_the_same_layer() -> None:
     assert left == pytest.approx(0.15 * np.exp(-0.085), rel=1e-6)
     assert cases["released-0.1s"].truth.contacts == ()
     assert np.abs(cases["released-0.1s"].readings).max() > 0
+
+
+def test_creep_that_is_stated_comes_with_the_readings_before() -> None:
+    """From rest on, in time, up to the reading; and what is left of a load fades with its field."""
+    for name in ("creep-0.1s", "released-0.1s"):
+        plain, world = case_sets.WORLDS[name], case_sets.WORLDS[f"{name}-stated"]
+        made = random_press(PATCH, 0, 7, cell=0.5e-3, world=world, group=SINGLE)
+        one = plain.case(made, case_sets.SILICONE, case_of(made))
+        case = world.case(made, case_sets.SILICONE, case_of(made))
+        assert (case.layer.relaxation, one.layer.relaxation) == (case_sets.CREEP, None)
+        np.testing.assert_array_equal(case.readings, one.readings)
+        times, before = case.history_s, np.abs(case.history).max(axis=1)
+        assert (np.diff(times) > 0.0).all()
+        assert times[-1] == pytest.approx(-case_sets.INTERVAL)
+        assert (before[:3] == 0.0).all()
+        last, now = before[-1], np.abs(case.readings).max()
+        late = case_sets.CREEP.retardation_time
+        if world.released:
+            assert now / last == pytest.approx(np.exp(-case_sets.INTERVAL / late), rel=0.01)
+            assert before.max() / now > 5.0
+        else:
+            assert 0.9 < last / now < 1.0
+            share = made.press.force / case.truth.force
+            assert share == pytest.approx(1.0 - 0.15 * np.exp(-0.1 / late), rel=1e-6)
+        noisy = case.with_noise(3, 2, 0.01)
+        assert np.std(noisy.history - case.history) == pytest.approx(0.01, rel=0.1)
+        with pytest.raises(FileError, match="creeps"):
+            save_case(case, "a.npz")
 
 
 def test_a_table_of_worlds_has_a_row_for_each() -> None:

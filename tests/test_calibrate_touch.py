@@ -14,8 +14,10 @@ from scipy.interpolate import CubicSpline
 
 import skinfield as sf
 from skinfield.calibrate import by_touch, save_calibration, touch_sampling
+from skinfield.calibrate.press_tables import PressTables
 from skinfield.calibrate.touch_presses import between, noise_of_differences, presses
-from skinfield.errors import InputError
+from skinfield.calibrate.touch_relaxation import relaxation, traces
+from skinfield.errors import FileError, InputError
 from skinfield.files import save_recording
 from skinfield.reconstruct.diagnostics import Conditioning, condition
 from skinfield.simulate import Sphere, press
@@ -272,3 +274,108 @@ def test_a_recording_of_counts_becomes_a_file_that_reconstruct_takes(
     )
     words = ("reconstruct", skin, "--skin", layout, "--calibration", cal)
     assert "which holds a ForceCalibration" in refused(*words)
+
+
+@cache
+def press_that_creeps() -> tuple[CubicSpline, CubicSpline, np.ndarray]:
+    """A ball by the axisymmetric press at several loads: readings by distance, and its contact.
+
+    And what a tenth of its pressure makes of the layer, whose contact stays.
+    """
+    layer, far = sf.Layer(2.3e-3, 150e3, 0.47), np.linspace(0.0, 40e-3, 161)
+    places, parts = np.column_stack([far, 0.0 * far]), np.array([0.4, 0.8, 1.0, 1.2])
+    balls = [Sphere(radius=6e-3, force=1.2 * part) for part in parts]
+    every = [press(layer, [ball], 20e-3, 1e-3) for ball in balls]
+    read = [each.capacitance(places, PATCH.pad_diameter) for each in every]
+    whole = every[2]
+    tenth = tuple(replace(t, traction=0.1 * t.traction) for t in whole.touches)
+    left = replace(whole, touches=tenth).capacitance(places, PATCH.pad_diameter)
+    by_load = CubicSpline(np.r_[0.0, parts], np.vstack([0.0 * far, read]))
+    contact = np.log([whole.force, np.sqrt(whole.contact_area / np.pi)])
+    return by_load, CubicSpline(far, 10.0 * left), contact
+
+
+def touches_that_creep(
+    solid: sf.StandardLinearSolid, seed: int = 0
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Stamps, readings (T, L), press of each, and places and contacts of sixteen unsteady touches.
+
+    The load's history is sampled each ms; readings come at uneven times.
+    """
+    rng, fine, far = (
+        np.random.default_rng(seed),
+        np.arange(0.0, 4.2, 1e-3),
+        np.linspace(0, 40e-3, 161),
+    )
+    stamps, rows, row, touches, now = [], [], [], [], 10.0
+    middle, half = PATCH.plane.mean(axis=0), 0.3 * np.ptp(PATCH.plane, axis=0)
+    for number in range(16):
+        by_load, left, contact = press_that_creeps()
+        at, held = middle + rng.uniform(-half, half), rng.uniform(0.6, 1.6)
+        load = np.clip(fine / 0.05, 0.0, 1.0) * np.clip((held - fine) / 0.05, 0.0, 1.0)
+        load *= 1.0 + 0.1 * np.sin(4.0 * fine + number)
+        felt = solid.effective_force(fine, load)
+        away = np.linalg.norm(PATCH.plane - at, axis=1)
+        touches.append([*at, *contact])
+        for step in np.flatnonzero(rng.uniform(size=len(fine)) < 0.04):
+            still = load[step] > 0.0
+            read = np.interp(away, far, by_load(felt[step])) if still else felt[step] * left(away)
+            rows.append(read)
+            row.append(number if 0.3 < fine[step] < held - 0.1 else -1)
+            stamps.append(now + fine[step])
+        now += fine[-1]
+    noise = NOISE * rng.standard_normal((len(rows), len(PATCH)))
+    return np.rint(1e9 * np.array(stamps)), np.array(rows) + noise, np.array(row), np.array(touches)
+
+
+@pytest.mark.parametrize(("share", "seconds"), [(0.15, 1.0), (0.08, 0.3), (0.3, 0.7)])
+def test_relaxation_is_told_by_what_touches_leave(share: float, seconds: float) -> None:
+    """However unsteady they were."""
+    stamps, table, row, touches = touches_that_creep(sf.StandardLinearSolid(1 - share, seconds))
+    tables = PressTables(sf.Layer(2.3e-3, 150e3, 0.47), sf.Capacitance(), PATCH.pad_diameter)
+    skin, ones = np.array([np.log(2.3e-3), 0.47]), np.ones(len(PATCH))
+    tables.centre_on(*skin)
+    parts = row, touches, skin, ones, NOISE * ones, (tables, PATCH.plane)
+    found = relaxation(traces(table, stamps.astype(np.int64), *parts))
+    assert found is not None
+    assert found.touches >= 12
+    assert 1.0 - found.solid.relaxed_fraction == pytest.approx(share, abs=0.02)
+    assert found.solid.time_constant == pytest.approx(seconds, rel=0.15)
+    off = abs(1.0 - found.solid.relaxed_fraction - share) / found.share_std
+    assert off < 3.0
+    assert 0.0 < found.share_std < 0.03
+    assert abs(found.solid.time_constant - seconds) < 3.0 * found.time_std
+
+
+def test_an_elastic_skin_is_told_no_relaxation() -> None:
+    stamps, table, row, touches = touches_that_creep(sf.StandardLinearSolid(1.0, 1.0))
+    tables = PressTables(sf.Layer(2.3e-3, 150e3, 0.47), sf.Capacitance(), PATCH.pad_diameter)
+    skin, ones = np.array([np.log(2.3e-3), 0.47]), np.ones(len(PATCH))
+    tables.centre_on(*skin)
+    parts = row, touches, skin, ones, NOISE * ones, (tables, PATCH.plane)
+    assert relaxation(traces(table, stamps.astype(np.int64), *parts)) is None
+    assert relaxation([]) is None
+
+
+def test_a_file_holds_the_relaxation_and_every_door_undoes_it(tmp_path: Path) -> None:
+    from skinfield.cli import options
+    from skinfield.cli.settings import Elastomer, ModelSettings
+
+    told = {"relaxed_fraction": 0.85, "relaxed_fraction_std": 0.01}
+    told |= {"relaxation_time": 1.1, "relaxation_time_std": 0.1}
+    made = replace(found(), **told)
+    assert "creeps by 15.0% ± 1.0% within 1.1 ± 0.1 s" in made.verdict
+    save_calibration(made, tmp_path / "cal.toml")
+    again = sf.load_calibration(tmp_path / "cal.toml")
+    assert again.relaxation == made.relaxation == sf.StandardLinearSolid(0.85, 1.1)
+    assert sf.Reconstructor(PATCH, calibration=again).layer.relaxation == made.relaxation
+    elastomer, _, _ = options.by_touch(str(tmp_path / "cal.toml"), Elastomer(), ModelSettings())
+    assert options.layer_of(elastomer).relaxation == made.relaxation
+    assert found().relaxation is None
+    with pytest.raises(InputError, match="four numbers"):
+        replace(made, relaxation_time=None)
+    text = (tmp_path / "cal.toml").read_text().replace("fraction = 0.85", "fraction = 1.85")
+    (tmp_path / "cal.toml").write_text(text)
+    with pytest.raises(FileError, match="relaxed_fraction"):
+        sf.load_calibration(tmp_path / "cal.toml")
+    assert "creeps" not in found().verdict

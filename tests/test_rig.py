@@ -134,6 +134,23 @@ def test_forces_follow_the_profile_and_pressures_sum_to_them(creeping: RigRun) -
     assert truth.contact_area_m2[truth.force_N == 0].max() == 0.0
 
 
+def test_what_is_left_of_a_load_fades_with_its_field(creeping: RigRun) -> None:
+    """Whatever touched: as a little of all its pressure, to which readings are proportional."""
+    truth, pose = creeping.truth, creeping.scenario.poses[0]
+    gone = truth.press_end_s[0] + 0.05, truth.press_touch_s[1]
+    after = (truth.reading_time_s > gone[0]) & (truth.reading_time_s < gone[1])
+    effective = np.interp(truth.reading_time_s[after], truth.time_s, truth.effective_force_N)
+    body = replace(BALL, position=(pose.x, pose.y), rotation=pose.angle, force=0.5)
+    pressed = sf.simulate.press(sf.Layer(), [body], extent=24e-3)
+    part = [replace(each, traction=0.1 * each.traction) for each in pressed.touches]
+    patch = creeping.scenario.patch
+    field = replace(pressed, touches=tuple(part)).capacitance(patch.plane, patch.pad_diameter)
+    left, expected = truth.reading_change[after], effective[:, None] * field / 0.05
+    assert after.sum() > 10
+    assert effective.min() > 0.05
+    assert left == pytest.approx(expected, abs=0.03 * expected.max())
+
+
 def test_creep_is_that_of_the_solid(creeping: RigRun) -> None:
     """A held load acts as E∞ J(t) of itself; the ramp only blurs its start."""
     truth, solid = creeping.truth, creeping.scenario.elastomer

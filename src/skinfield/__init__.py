@@ -14,6 +14,7 @@ if _typing.TYPE_CHECKING:
     from skinfield.elastic import Gap as Gap
     from skinfield.elastic import HalfSpace as HalfSpace
     from skinfield.elastic import Layer as Layer
+    from skinfield.elastic import StandardLinearSolid as StandardLinearSolid
     from skinfield.estimate import Contact as Contact
     from skinfield.estimate import ContactFinder as ContactFinder
     from skinfield.estimate import Estimate as Estimate
@@ -56,7 +57,7 @@ _ON_DEMAND = {  # a module, or a module and what it holds
         name: f"skinfield.{module}:{name}"
         for module, names in {
             "calibrate": "load_calibration",
-            "elastic": "BaseStress BondedLayer Capacitance Gap HalfSpace Layer",
+            "elastic": "BaseStress BondedLayer Capacitance Gap HalfSpace Layer StandardLinearSolid",
             "estimate": "Contact ContactFinder Estimate Tracker",
             "files": "load_contacts open_results save_results",
             "files.layouts.load": "load_layout save_layout",

@@ -23,13 +23,15 @@ from skinfield.calibrate.touch_fit import (
     refined,
     start,
 )
-from skinfield.calibrate.touch_presses import STRONG, Presses, presses
+from skinfield.calibrate.touch_presses import STRONG, Presses, between, presses
+from skinfield.calibrate.touch_relaxation import Relaxation, relaxation, traces
 from skinfield.calibrate.touch_sampling import marginal
-from skinfield.elastic import BondedLayer, Capacitance, Layer, Quantity
+from skinfield.elastic import BondedLayer, Capacitance, Layer, Quantity, StandardLinearSolid
 from skinfield.errors import (
     Floats,
     InputError,
     as_floats,
+    as_stamps,
     check_finite,
     check_range,
     check_shape,
@@ -82,6 +84,10 @@ class TouchCalibration:
         Known forces over assumed ones; NaN where no force was known.
     counts : Calibration, optional
         From counts to readings, these gains included; without it readings are taken.
+    relaxed_fraction, relaxed_fraction_std : float, optional
+        E∞ / E₀ of the elastomer. None: touches do not tell that it creeps.
+    relaxation_time, relaxation_time_std : float, s, optional
+        Time constant of that.
     """
 
     thickness: float
@@ -98,12 +104,24 @@ class TouchCalibration:
     left_out: int
     force_ratio: float
     counts: Calibration | None = None
+    relaxed_fraction: float | None = None
+    relaxed_fraction_std: float | None = None
+    relaxation_time: float | None = None
+    relaxation_time_std: float | None = None
 
     def __post_init__(self) -> None:
         for name in ("gain_std", "noise_std"):
             check_shape(name, getattr(self, name), self.gain.shape, "one per taxel")
         if self.gain.ndim != 1 or not (self.gain > 0.0).all():
             raise InputError("gain holds what is not above 0, expected one above 0 per taxel")
+        stds = self.relaxed_fraction_std, self.relaxation_time_std
+        creep = [self.relaxed_fraction, self.relaxation_time, *stds]
+        if 0 < creep.count(None) < len(creep):
+            raise InputError(
+                f"relaxed_fraction and relaxation_time with their deviations are {creep}, expected "
+                "four numbers, or four times None"
+            )
+        self.relaxation  # noqa: B018 - refuses what no solid has
 
     def __len__(self) -> int:
         return len(self.gain)
@@ -111,7 +129,15 @@ class TouchCalibration:
     @property
     def layer(self) -> Layer:
         """The elastomer."""
-        return Layer(self.thickness, self.young_modulus, self.poisson_ratio)
+        how = self.thickness, self.young_modulus, self.poisson_ratio
+        return Layer(*how, relaxation=self.relaxation)
+
+    @property
+    def relaxation(self) -> StandardLinearSolid | None:
+        """How it creeps; None where touches do not tell that it does."""
+        if self.relaxed_fraction is None or self.relaxation_time is None:
+            return None
+        return StandardLinearSolid(self.relaxed_fraction, self.relaxation_time)
 
     @property
     def mechanics(self) -> BondedLayer:
@@ -142,10 +168,20 @@ class TouchCalibration:
         return (
             f"thickness {self.thickness * 1e3:.3f} ± {self.thickness_std * 1e3:.3f} mm, Poisson's "
             f"ratio {self.poisson_ratio:.4f} ± {self.poisson_std:.4f}, "
-            f"{'under a cover' if self.covered else 'no cover'}; gains spread by {spread:.1%}, "
-            f"each known to {float(np.median(self.gain_std)):.1%}; "
+            f"{'under a cover' if self.covered else 'no cover'}; {self._creep}"
+            f"gains spread by {spread:.1%}, each known to {float(np.median(self.gain_std)):.1%}; "
             f"model error {self.model_error:.1%}; "
             f"{self.presses} presses, {self.left_out} left out; {scale}{doubt}"
+        )
+
+    @property
+    def _creep(self) -> str:
+        solid, stds = self.relaxation, (self.relaxed_fraction_std, self.relaxation_time_std)
+        if solid is None or None in stds:
+            return ""
+        return (
+            f"creeps by {1.0 - solid.relaxed_fraction:.1%} ± {stds[0]:.1%} within "
+            f"{solid.time_constant:.3g} ± {stds[1]:.2g} s; "
         )
 
     def __repr__(self) -> str:
@@ -181,6 +217,7 @@ def touch(
     layer: Layer | None = None,
     known_force: ArrayLike | None = None,
     place_std: float = 0.0,
+    stamp_ns: ArrayLike | None = None,
 ) -> TouchCalibration:
     """Calibrate a skin by touches of which nothing is known.
 
@@ -203,6 +240,9 @@ def touch(
         How far taxels are from their stated places along each axis; 0.3 mm is usual where a skin is
         made by hand. The default, 0, is a simulation's: then stated deviations are of balls and a
         model that holds, else of bodies and boards as they are, too.
+    stamp_ns : (T,) array, ns, optional
+        Of the readings, which may fall from one recording to the next: by them, what is read where
+        touches have been tells how the elastomer creeps.
 
     Raises
     ------
@@ -238,6 +278,10 @@ def touch(
     data = replace(data, heard=heard & ~dead)
     fit = _fitted(data, patch, nominal, quantity, covered, ERRORS)
     made, forces = fit.finished(nominal, found.noise_std)
+    if stamp_ns is not None:
+        stamps = as_stamps("stamp_ns", stamp_ns)
+        check_shape("stamp_ns", stamps, (len(table),), "one per reading")
+        made = fit.with_creep(made, table, stamps, found.row)
     return made if known is None else _scaled(made, known, forces, found)
 
 
@@ -322,6 +366,31 @@ class _SkinFit:
         state = replace(self.state, touches=self.state.touches[rows])
         fit = JointFit(self.fit.data.only(rows), self.fit.tables, self.fit.priors, self.fit.error)
         return fit.normal(fit.run(state)).evidence
+
+    def with_creep(
+        self,
+        made: TouchCalibration,
+        table: Floats,
+        stamps: NDArray[np.int64],
+        row: NDArray[np.int64],
+    ) -> TouchCalibration:
+        """Calibration with the relaxation that readings (T, L) tell after touches, if they do."""
+        touches = np.full((len(self.used), OWN), np.nan)
+        touches[self.used] = self.state.touches
+        places = self.fit.tables, self.fit.data.taxels
+        noise = made.noise_std * made.gain
+        known = touches, self.state.skin, made.gain, noise, places
+        above = table - between(table, noise)
+        found: Relaxation | None = relaxation(traces(above, stamps, row, *known))
+        if found is None:
+            return made
+        return replace(
+            made,
+            relaxed_fraction=found.solid.relaxed_fraction,
+            relaxed_fraction_std=found.share_std,
+            relaxation_time=found.solid.time_constant,
+            relaxation_time_std=found.time_std,
+        )
 
     def finished(self, nominal: Layer, noise: Floats) -> tuple[TouchCalibration, Floats]:
         """Calibration, and forces (T,), N; NaN of presses that are left out."""

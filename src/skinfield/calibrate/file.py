@@ -96,6 +96,8 @@ def _value(kind: Any, value: Any) -> Any:
         if not isinstance(value, dict):
             raise InputError("counts is no table, expected one of a calibration of counts")
         return counts.calibration_from_table(value)
+    if float in get_args(kind):
+        kind = float
     if kind in (float, int, bool, str):
         return kind(np.asarray(value).item())
     if kind == tuple[str, ...]:

@@ -304,7 +304,8 @@ def touch(
 
     Some hundred presses of balls, fingertips or tools, one at a time, all over the skin, tell how
     thick the elastomer is, its Poisson's ratio, whether a cover lies on it, and the gain of each
-    taxel beside the others. Forces remain relative until one is known, as of a weight laid down.
+    taxel beside the others. Pauses of seconds after touches also tell how the elastomer creeps,
+    which is then undone. Forces remain relative until one is known, as of a weight laid down.
 
       skinfield calibrate touch presses.csv --skin palm.toml -o cal.toml --report palm
       skinfield calibrate touch presses.csv --skin palm.toml --known 0.981 --at 12.5,14 -o cal.toml
@@ -339,11 +340,11 @@ def touch(
     forces = None
     if known is not None:
         forces = np.full(len(presses.readings), np.nan)
-        forces[: len(presses.stamps)][_part_of(presses.stamps, at)] = known
+        forces[: presses.first][_part_of(presses.stamps[: presses.first], at)] = known
     with report.progress("fitting presses and skin"):
         made = fit(
             plan.patch, presses.readings, noise_std=how.noise_std, layer=layer,
-            known_force=forces, place_std=PLACE_STD,
+            known_force=forces, place_std=PLACE_STD, stamp_ns=presses.stamps,
         )  # fmt: skip
     counted = presses.calibration
     if counted is not None:
@@ -360,12 +361,14 @@ def touch(
 class _Presses(NamedTuple):
     """Readings (T, L) above the rest of their recording, and notes.
 
-    Of the first recording its stamps, ns, its rest (L,), and the calibration of counts, if any.
+    And their stamps (T,), ns; of the first recording how many there are, its rest (L,), and the
+    calibration of counts, if any.
     """
 
     readings: Floats
     notes: tuple[str, ...]
     stamps: NDArray[np.int64]
+    first: int
     rest: Floats
     calibration: "Calibration | None"
 
@@ -388,7 +391,8 @@ def _presses_in(
     readings -= np.repeat(rests, [len(values) for values, _ in every], axis=0)
     notes = tuple(dict.fromkeys(note for _, survey in every for note in survey.notes))
     calibration = every[0][1].conditioner.calibration
-    return _Presses(readings, notes, found[0].stamp_ns, rests[0], calibration)
+    stamps = np.concatenate([each.stamp_ns for each in found])
+    return _Presses(readings, notes, stamps, len(found[0].stamp_ns), rests[0], calibration)
 
 
 def _said_of_touches(
@@ -402,10 +406,14 @@ def _said_of_touches(
         "cover": "yes" if made.covered else "no", "model error": f"{made.model_error:.1%}",
         "forces": "relative" if made.relative else "newtons",
     }  # fmt: skip
+    creep = made.relaxation
+    if creep is not None:
+        facts["creep"] = f"{1.0 - creep.relaxed_fraction:.1%} within {creep.time_constant:.3g} s"
     return facts, {
         "thickness_mm": made.thickness * 1e3, "poisson": made.poisson_ratio,
         "covered": made.covered, "modulus_kpa": made.young_modulus * 1e-3,
         "relative": made.relative, "presses": made.presses, "verdict": made.verdict,
+        "relaxed_fraction": made.relaxed_fraction, "relaxation_s": made.relaxation_time,
     }  # fmt: skip
 
 

@@ -209,7 +209,13 @@ def filled(section: S, profile: SkinProfile) -> S:
 def layer_of(elastomer: Elastomer, profile: SkinProfile | None = None) -> "sf.Layer":
     """Elastomer, in SI units: what was set, else the profile's."""
     whole = asdict(elastomer if profile is None else filled(elastomer, profile))
-    return sf.Layer(whole["thickness_mm"] * 1e-3, whole["modulus_kpa"] * 1e3, whole["poisson"])
+    creep, seconds = whole["relaxed_fraction"], whole["relaxation_s"]
+    return sf.Layer(
+        whole["thickness_mm"] * 1e-3,
+        whole["modulus_kpa"] * 1e3,
+        whole["poisson"],
+        relaxation=None if creep is None else sf.StandardLinearSolid(creep, seconds),
+    )
 
 
 def nodes_for(patch: "sf.Patch", most: int = FINEST) -> int:
@@ -361,6 +367,9 @@ def by_model(
         "modulus_kpa": layer.young_modulus * 1e-3,
         "poisson": layer.poisson_ratio,
     }
+    if layer.relaxation is not None and elastomer.relaxed_fraction is None:
+        solid = layer.relaxation
+        found |= {"relaxed_fraction": solid.relaxed_fraction, "relaxation_s": solid.time_constant}
     missing = {name: its for name, its in found.items() if getattr(elastomer, name) is None}
     if model.mechanics is None and getattr(mechanics, "inextensible_cover", False):
         model = replace(model, mechanics="covered-layer")

@@ -46,12 +46,27 @@ class Elastomer(Section):
         Young's modulus, kPa.
     poisson : float, optional
         Poisson's ratio, 0 to 0.5.
+    relaxed_fraction : float, optional
+        Of the modulus, what is left after long; the elastomer's creep is then undone. Default 1.
+    relaxation_s : float, s, optional
+        Time constant of the relaxation, s.
     """
 
     profile: str = "auto"
     thickness_mm: Annotated[float | None, Positive("thickness of the elastomer")] = None
     modulus_kpa: Annotated[float | None, Positive("Young's modulus")] = None
     poisson: Annotated[float | None, Range(0.0, 0.5, "Poisson's ratio")] = None
+    relaxed_fraction: Annotated[float | None, Range(0.1, 1.0, "1 is elastic")] = None
+    relaxation_s: Annotated[float | None, Positive("time constant, in s")] = None
+
+    def check(self) -> None:
+        """See `Section`."""
+        super().check()
+        if (self.relaxed_fraction is None) != (self.relaxation_s is None):
+            raise self.wrong(
+                "relaxed_fraction" if self.relaxation_s is None else "relaxation_s",
+                "both relaxed_fraction and relaxation_s, or neither: one says nothing alone",
+            )
 
 
 MOST_DIGITS = 10  # of the number of a taxel
@@ -101,6 +116,7 @@ class TaxelSettings(Section):
 
     def check(self) -> None:
         """See `Section`."""
+        super().check()
         for name in ("keep", "without"):
             try:
                 taxels_of(name, getattr(self, name))

@@ -27,6 +27,7 @@ Rows = list[dict[str, Any]]
 WorldName = Literal[
     "as-stated", "sticking", "slipping", "friction", "nu-0.49", "nu-0.45", "nu-0.40", "cover",
     "creep-0.1s", "creep-1s", "released-0.1s",
+    "creep-0.1s-stated", "creep-1s-stated", "released-0.1s-stated",
 ]  # fmt: skip
 COLUMNS = (  # of the summary's rows
     Column("force\n%", "force_error", 100.0, 0),
@@ -128,7 +129,8 @@ def validate(
         What skin and touch truly are, with --unseen, while solvers are told that they are as
         stated: a tangential force of half the normal one that sticks or slips, friction of 0.5
         below bodies that press straight down, another Poisson's ratio, an inextensible cover, creep
-        of 15 % so long after a load came or went. Again for more.
+        of 15 % so long after a load came or went, and the same where that is stated and readings
+        from rest on go before. Again for more.
     group : str, optional
         Of the random presses, with --unseen: balls and cones, two or three bodies, or flats, bars
         and rings. Default each in its turn.

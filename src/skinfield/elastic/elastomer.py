@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from skinfield.elastic.viscoelastic import StandardLinearSolid
 from skinfield.errors import (
     Floats,
     as_floats,
@@ -12,6 +13,7 @@ from skinfield.errors import (
     check_positive,
     check_range,
     check_shape,
+    check_type,
 )
 from skinfield.plot import Pictured, Place, drawing, number
 
@@ -33,18 +35,25 @@ class Layer(Pictured):
         0 to 0.5; 0.5 is incompressible, as solid silicone is to four digits.
     relative_permittivity : float
         Of the elastomer as a dielectric; about 3 for silicone.
+    relaxation : StandardLinearSolid, optional
+        How it creeps, which readings that have stamps are freed from. Default not at all. The
+        modulus is the relaxed one.
     """
 
     thickness: float = 2e-3
     young_modulus: float = 150e3
     poisson_ratio: float = 0.5
     relative_permittivity: float = 3.0
+    relaxation: StandardLinearSolid | None = None
 
     def __post_init__(self) -> None:
         check_positive("thickness", self.thickness, "the elastomer's height in metres")
         check_positive("young_modulus", self.young_modulus, "the elastomer's stiffness in Pa")
         check_range("poisson_ratio", self.poisson_ratio, 0.0, 0.5, "0.5 is incompressible")
         check_range("relative_permittivity", self.relative_permittivity, 1.0, 1e4, "vacuum has 1")
+        if self.relaxation is not None:
+            how = "such as StandardLinearSolid(0.85, 1.0), or None"
+            check_type("relaxation", self.relaxation, StandardLinearSolid, how)
         if self.thickness >= 1.0:
             check_range("thickness", self.thickness, 0.0, 1.0, "give it in metres: 2 mm is 2e-3")
 
@@ -52,12 +61,16 @@ class Layer(Pictured):
         return f"Layer({', '.join(f'{name} {text}' for name, text in self._lengths().items())})"
 
     def _lengths(self) -> dict[str, str]:
+        solid, creep = self.relaxation, {}
+        if solid is not None:
+            part = f"{1.0 - solid.relaxed_fraction:.1%}"
+            creep = {"creep": f"{part} in {number(solid.time_constant)} s"}
         return {
             "thickness": f"{number(self.thickness * 1e3)} mm",
             "E": f"{number(self.young_modulus * 1e-3)} kPa",
             "ν": f"{self.poisson_ratio:g}",
             "εᵣ": f"{self.relative_permittivity:g}",
-        }
+        } | creep
 
     def plot(self, ax: Place = None, *, pad_diameter: float = 4e-3) -> Any:
         """Draw a cross-section to scale, with pads below the elastomer; lengths in mm.
@@ -87,7 +100,7 @@ class Layer(Pictured):
             "Young's modulus E": lengths["E"],
             "Poisson's ratio ν": lengths["ν"],
             "relative permittivity εᵣ": lengths["εᵣ"],
-        }
+        } | {name: lengths[name] for name in ("creep",) if name in lengths}
 
     def rest_capacitance(self, pad_diameter: float) -> float:
         """Capacitance at rest, F, of a round pad of `pad_diameter`, m: eq. (1) of the paper.

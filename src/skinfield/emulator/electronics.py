@@ -137,7 +137,8 @@ class Converters:
         self.change: Floats = np.zeros(count)
         self.counts: Floats = np.zeros(count)
         self.held: Floats = np.full(count, np.nan)
-        self._elastomer, self._loop = settings.its_habits.elastomer, own.hysteresis
+        self._elastomer = settings.its_habits.elastomer or settings.layer.relaxation
+        self._loop = own.hysteresis
         self._late, self._peak = np.zeros(count), np.zeros(count)
         self._felt_change: Floats = np.zeros(count)
         self._walk = abs(size) * own.noise.walk * settings.noise_times
@@ -173,8 +174,10 @@ class Converters:
         if self._elastomer is not None:
             part = self._elastomer.relaxed_fraction
             late = -math.expm1(-seconds / self._elastomer.retardation_time)
-            self._late += late * (change - self._late)
-            change = part * change + (1.0 - part) * self._late
+            strain = change / (1.0 + change)  # which goes with the load, as ΔC/C₀ does not
+            self._late += late * (strain - self._late)
+            strain = part * strain + (1.0 - part) * self._late
+            change = strain / (1.0 - strain)
         if self._loop.width:
             change = self._loop.step(change, self._peak)
         self._felt_change = change

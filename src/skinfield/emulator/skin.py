@@ -124,7 +124,7 @@ class VirtualSkin:
         self.skin = skin_from_text(settings.skin)
         true, self._soft = settings.its_habits.tolerances, bool(settings.its_habits.fingers)
         rng = np.random.default_rng([settings.seed, 5])
-        layer = true.layer(settings.layer, rng)
+        layer = replace(true.layer(settings.layer, rng), relaxation=None)  # converters creep
         plane = np.concatenate([true.plane(patch, rng) for patch in self.skin])
         self.world = World(self.skin, layer, self._scene_of(settings.scene), plane)
         self.hardware: Hardware = BOARDS[settings.hardware](self.skin, settings)

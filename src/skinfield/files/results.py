@@ -45,6 +45,7 @@ from skinfield.reconstruct.serialisation import (
     attributes_from_results,
     results_from_attributes,
 )
+from skinfield.signal.creep import CreepCompensation
 from skinfield.skin import Grid
 
 if TYPE_CHECKING:
@@ -71,6 +72,8 @@ class ResultsWriter:
     place : Pending
         Folder of results; it gets its name from whoever made the place.
     config : ReconstructorConfig
+        If its layer creeps, readings are freed from that before they are written, and the folder's
+        layer does not creep.
     source : str
         Where the readings come from.
 
@@ -85,7 +88,12 @@ class ResultsWriter:
     """
 
     def __init__(self, place: Pending, config: ReconstructorConfig, source: str = "") -> None:
-        self.place, self.config, self.source = place, config, source
+        self._creep = CreepCompensation.of(
+            config.layer.relaxation, len(config.patch), config.quantity
+        )
+        self._creeps = config.layer.relaxation
+        self.config = config = config.without_creep
+        self.place, self.source = place, source
         attributes = attributes_from_results(config, (), source)
         zarr, taxels = load_zarr(), len(config.patch)
         with explained(place.target):
@@ -107,6 +115,7 @@ class ResultsWriter:
         """
         check_shape("readings", readings, (None, len(self.config.patch)), "one number per taxel")
         check_shape("stamp_ns", stamp_ns, (len(readings),), "one per reading")
+        readings = self._creep.taken(readings, ~np.isnan(readings), stamp_ns)
         self._waiting.append((stamp_ns, readings))
         self._count += len(readings)
         if self._count >= BLOCK:
@@ -115,6 +124,9 @@ class ResultsWriter:
     def close(self, notes: tuple[str, ...] = ()) -> None:
         """Write what is left, and what was assumed, found and left out."""
         self._flush(self._count)
+        if self._creeps is not None:
+            part, seconds = 1.0 - self._creeps.relaxed_fraction, self._creeps.time_constant
+            notes = (*notes, f"creep of {part:.1%} within {seconds:.3g} s is taken off")
         if not self._group["stamp_ns"].shape[0]:
             raise InputError("no reading was written, expected one or more")
         with explained(self.place.target):
@@ -211,7 +223,8 @@ def save_results(
         writer.write(stamps.astype(np.int64), table)
         writer.close(notes)
         written = read_results(place.part)
-        written.reconstructor = reconstructor
+        if reconstructor.layer.relaxation is None:
+            written.reconstructor = reconstructor
         written.store_rest()
         place.commit()
     except BaseException:

@@ -69,6 +69,11 @@ def save_case(case: Case, path: str | Path) -> Path:
         When it cannot be written.
     """
     path = Path(path)
+    if len(case.history) or case.layer.relaxation is not None:
+        raise FileError(
+            f"{path}: case {case.name!r} has readings before, or a layer that creeps, which a file "
+            "does not hold, expected readings of one instant on an elastic layer"
+        )
     path = path / f"{case.name}{ENDING}" if path.is_dir() else path
     if path.suffix != ENDING:
         raise FileError(f"{path}: a case is an NPZ file, expected a name that ends in {ENDING}")

@@ -145,6 +145,8 @@ class World:
         From the load, or its release, to the reading.
     released : bool
         The load stood for long, and is off again.
+    stated : bool
+        Creep is stated, too, and readings go before: from rest on, with their times.
     """
 
     poisson_ratio: float | None = None
@@ -155,6 +157,7 @@ class World:
     elastomer: StandardLinearSolid | None = None
     after: float = 0.0
     released: bool = False
+    stated: bool = False
 
     def layer(self, stated: Layer) -> Layer:
         """The layer as it is."""
@@ -163,7 +166,14 @@ class World:
         return replace(stated, poisson_ratio=self.poisson_ratio)
 
     def press(self, stated: Layer, bodies: list[Any], extent: float, cell: float) -> Press:
-        """Solve for bodies with their forces and shears."""
+        """Solve for bodies with their forces and shears; after release, what is left of it."""
+        solved = self._solved(stated, bodies, extent, cell)
+        if not self.released:
+            return solved
+        # Nothing presses: what is left decays everywhere alike, whatever touched (linear creep).
+        return _scaled(solved, self.share)
+
+    def _solved(self, stated: Layer, bodies: list[Any], extent: float, cell: float) -> Press:
         where = extent, cell, BondedLayer(inextensible_cover=self.cover), self.friction
         if not self.steps:
             return press(self.layer(stated), bodies, *where)
@@ -207,7 +217,56 @@ class World:
                 )
             )
             truth = replace(truth, pressure=truth.pressure / self.share, contacts=contacts)
-        return replace(case, layer=stated, mechanics=BondedLayer(), truth=truth)
+        seen = replace(case, layer=stated, mechanics=BondedLayer(), truth=truth)
+        return self._with_history(made, stated, seen) if self.stated else seen
+
+    def _with_history(self, made: "RandomPress", stated: Layer, case: Case) -> Case:
+        """The case with its creep stated, and with readings from rest on."""
+        solid, press, at = self.elastomer, made.press, made.pose.taxels(case.patch.plane)
+        assert solid is not None  # what creeps is stated
+        seconds, reads = _times(self.after, self.released), (case.patch.pad_diameter, case.quantity)
+        parts = np.linspace(solid.relaxed_fraction, 1.0 if self.released else self.share, 3)
+        solved = [self._solved(stated, *_bodies_of(press, part / self.share)) for part in parts]
+        terms = np.polynomial.polynomial.polyfit(parts, [p.readings(at, *reads) for p in solved], 2)
+        history = np.zeros((len(seconds), len(at)))
+        for row, now in enumerate(seconds.tolist()):
+            if self.released and now > STOOD:
+                left = self.share * np.exp((self.after + STOOD - now) / solid.retardation_time)
+                history[row] = _scaled(solved[-1], left).readings(at, *reads)
+            elif now > 0.0:
+                creep = 1.0 - (1.0 - parts[0]) * np.exp(-now / solid.retardation_time)
+                history[row] = np.polynomial.polynomial.polyval(creep, terms)
+        layer = replace(case.layer, relaxation=solid)
+        end = self.after + (STOOD if self.released else 0.0)
+        return replace(case, layer=layer, history=history, history_s=seconds - end)
+
+
+INTERVAL, SLOW, RESTED = 0.02, 0.25, 5  # s between readings, while nothing changes; before a touch
+STOOD = 8.0  # s: what is long
+
+
+def _times(after: float, released: bool) -> Floats:
+    """Times (T,) s, since the load came, of the readings before the last one."""
+    end = after + (STOOD if released else 0.0)
+    dense = end - INTERVAL * np.arange(1.0, np.ceil(after / INTERVAL) + RESTED)[::-1]
+    if not released:
+        return np.asarray(dense)
+    since = INTERVAL * (np.arange(-RESTED, 10.0) + 0.5)
+    return np.concatenate([since, np.arange(SLOW, dense[0], SLOW), dense])
+
+
+def _bodies_of(press: Press, part: float) -> tuple[list[Any], float, float]:
+    """Bodies of a press with a part of their forces, its extent and its cell."""
+    every = zip(press.indenters, press.forces.tolist(), strict=True)
+    bodies = [replace(body, force=part * force) for body, force in every]
+    return bodies, press.grid.pitch * max(press.grid.shape), press.grid.pitch
+
+
+def _scaled(press: Press, part: float) -> Press:
+    """The field of a part of all tractions, whatever it takes to make them."""
+    return replace(
+        press, touches=tuple(replace(t, traction=part * t.traction) for t in press.touches)
+    )
 
 
 CREEP = StandardLinearSolid(relaxed_fraction=0.85, time_constant=1.0)
@@ -223,6 +282,9 @@ WORLDS = {
     "creep-0.1s": World(elastomer=CREEP, after=0.1),
     "creep-1s": World(elastomer=CREEP, after=1.0),
     "released-0.1s": World(elastomer=CREEP, after=0.1, released=True),
+    "creep-0.1s-stated": World(elastomer=CREEP, after=0.1, stated=True),
+    "creep-1s-stated": World(elastomer=CREEP, after=1.0, stated=True),
+    "released-0.1s-stated": World(elastomer=CREEP, after=0.1, released=True, stated=True),
 }
 AS_STATED = WORLDS["as-stated"]
 
@@ -408,7 +470,8 @@ def _pressed(
     A shear goes one of the `ways` (bodies,) rad.
     """
     for _ in range(LOADINGS):
-        forces = [world.share * _log(rng, *LOADS) for _ in bodies]
+        part = 1.0 if world.released else world.share
+        forces = [part * _log(rng, *LOADS) for _ in bodies]
         loaded = [
             replace(body, force=force, shear=(along * np.cos(way), along * np.sin(way)))
             for body, force, way in zip(bodies, forces, ways.tolist(), strict=True)

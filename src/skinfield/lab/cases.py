@@ -148,6 +148,10 @@ class Case:
     truth : Truth
     mechanics : BondedLayer
         How the elastomer is held: with or without an inextensible cover.
+    history : (T, L) array, in the quantity's unit
+        Readings before, of the same instant each for all draws; files do not hold them.
+    history_s : (T,) array, s
+        When they were made: negative, before the readings.
 
     Notes
     -----
@@ -163,6 +167,8 @@ class Case:
     truth: Truth
     noisy: bool = False
     mechanics: BondedLayer = field(default_factory=BondedLayer)
+    history: Floats = field(default_factory=lambda: np.zeros((0, 0)))
+    history_s: Floats = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         if not self.name.strip() or set(self.name) & set("/\\\0"):
@@ -187,7 +193,12 @@ class Case:
         check_shape("noise_std", noise, (len(self.patch),), "one per taxel, or one for all")
         check_finite("noise_std", noise, "in the unit of the readings")
         check_positive("noise_std", float(noise.min()), "no reading is exact")
-        for key, value in (("readings", readings), ("noise_std", noise)):
+        history, times = np.array(self.history, np.float64), np.array(self.history_s, np.float64)
+        if len(times):
+            check_shape("history", history, (len(times), len(self.patch)), "as history_s")
+        for key, value in (
+            ("readings", readings), ("noise_std", noise), ("history", history), ("history_s", times)
+        ):  # fmt: skip
             value.setflags(write=False)
             object.__setattr__(self, key, value)
 
@@ -260,7 +271,11 @@ class Case:
         noise = self.noise_std if noise_std is None else as_floats("noise_std", noise_std)
         rng = np.random.default_rng(seed)
         added = rng.standard_normal((draws, len(self.patch))) * noise
-        return replace(self, readings=self.readings + added, noise_std=noise, noisy=True)
+        history = self.history
+        if len(history):
+            history = history + rng.standard_normal(history.shape) * noise
+        readings = self.readings + added
+        return replace(self, readings=readings, noise_std=noise, history=history, noisy=True)
 
 
 def truth_of_press(press: Press, pose: Pose) -> Truth:

@@ -17,6 +17,7 @@ from skinfield.reconstruct.engine import Engine, SkinContacts
 from skinfield.reconstruct.engine.engine import prefer
 from skinfield.reconstruct.engine.state import Answer
 from skinfield.signal import Channels, Convention
+from skinfield.signal.creep import CreepCompensation
 from skinfield.signal.drift import Drift
 
 RISEN = 0.1  # of the capacitance: more than a layer rises beside the hardest press of a finger
@@ -109,8 +110,11 @@ class Updater:
             *(self._lacking, self._newest, self._arrived),
         )
         self._touched, self._hot = np.zeros(patches, np.int64), np.zeros(patches, np.bool_)
-        self._noise_std, self._means = baseline.noise_std, StationaryMeans(self._binding.starts)
-        self._drift = Drift(baseline.noise_std, self._binding.starts)
+        solids, quantity = [model_config.layer.relaxation] * patches, model_config.quantity
+        self._creep = CreepCompensation(solids, self._binding.starts, quantity, standing=True)
+        self._noise_std = baseline.noise_std * self._creep.noise_factor
+        self._means = StationaryMeans(self._binding.starts)
+        self._drift = Drift(self._noise_std, self._binding.starts)
         self._idle, self._follows = np.zeros(patches, np.bool_), self.engine.finds_contacts
         self._unended_ns = np.zeros(patches, np.int64)
         known = model_config.quantity, model_config.layer, self._binding.unit
@@ -161,6 +165,7 @@ class Updater:
         rounding = rounding_of(least, noise / DOUBT) if counted else np.zeros_like(noise)
         self._means.calibrate(noise, rounding)
         self._drift.reset()
+        self._creep.reset()
         self._smoothed_ns[:] = 0
 
     def _limits_of(self, known: Floats) -> tuple[float, float]:
@@ -258,11 +263,13 @@ class Updater:
             self.engine.reset()
             self._means.reset()
             self._drift.reset()
+            self._creep.reset()
             go_on_from(self._kept, self._contacts)
         fresh = self._take(channels, now_ns)
         head, kept = slot.head, self._kept
         head[CycleHead.FLAGS] = 0
         head[CycleHead.FRESH] = fresh
+        self._creep.take(self._values, self._valid, self._arrived, self._newest)
         if self._smoothing:
             self._smooth(channels)
         if fresh:
@@ -408,6 +415,7 @@ class Updater:
         self.engine.reset()
         self._means.reset()
         self._drift.reset()
+        self._creep.reset()
         self._smoothed_ns[:] = 0
         self._unended_ns[:] = 0
         self._kept.patches[:] = np.zeros(1, PATCH)

@@ -29,6 +29,7 @@ from skinfield.estimate import ContactFinder, Estimate
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.reconstruct.patch_model import PatchModel, check_parts
 from skinfield.reconstruct.plan import LinearFields, Plan
+from skinfield.signal.creep import CreepCompensation
 from skinfield.skin import Grid, Patch, Skin
 from skinfield.solve import Auto, Solver
 
@@ -93,7 +94,10 @@ class Reconstructor:
     ----------
     patch : Patch
     layer : Layer, optional
-        Default `Layer()`: 2 mm of incompressible silicone of 150 kPa.
+        Default `Layer()`: 2 mm of incompressible silicone of 150 kPa. Where it creeps
+        (`relaxation`), readings with stamps are freed from what is left of those before: hand them
+        in by one thread, in order, from when nothing pressed. Those without stamps are taken to
+        have stood for long.
     grid : Grid, optional
         Where the answer is wanted. Default 40 x 40 nodes over the patch. Pressure outside of a
         window is sought as well, so that the window need not explain it.
@@ -104,7 +108,8 @@ class Reconstructor:
     solver : Solver, optional
         What readings are explained by. Default `Auto()`: few contacts or a field, by evidence.
     noise_std : float or (L,) array, in the quantity's unit, optional
-        Standard deviation of one reading. Default the quantity's `typical_noise`.
+        Standard deviation of one reading. Default the quantity's `typical_noise`. What is solved
+        for has more where the layer creeps; see `signal.creep`.
     finder : ContactFinder, optional
         How pressure becomes contacts.
     precision : numpy.float64 or numpy.float32
@@ -159,11 +164,15 @@ class Reconstructor:
         self.calibration, self._readings_from = own.calibration, own.readings
         self.grid = Grid.square(patch) if grid is None else grid.on(patch)
         self.precision = precision
+        self._creep = CreepCompensation.of(self.layer.relaxation, len(patch), self.quantity)
         noise = own.noise_std if noise_std is None else noise_std
+        if self._creep.active:
+            noise = as_floats("noise_std", noise) * self._creep.noise_factor
         support, nodes = support_of(self.grid, self.layer)
         self.model = ObservationModel.of(
             patch, self.layer, support, self.mechanics, self.quantity, noise
         )
+        self.noise_std = self.model.noise_std / self._creep.noise_factor
         self.deformation = Deformation(support, self.layer, self.mechanics)
         alive = getattr(own.calibration, "alive", None)  # of counts
         parts = self.deformation, nodes, self.grid, self.finder, precision, alive
@@ -239,6 +248,8 @@ class Reconstructor:
         answer, stamps = self.plans.answer, as_stamps("stamp_ns", stamp_ns)
         if stamps.shape not in ((), (len(table),)):
             raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
+        if self._creep.active:
+            table = self._creep.taken(table, mask, np.broadcast_to(stamps, len(table)))
         if np.ndim(readings) == 1:
             return answer(table[0], mask[0], stamps.ravel()[0], start, deadline)
         rows = zip(table, mask, np.broadcast_to(stamps, len(table)), strict=True)
@@ -279,14 +290,17 @@ class Reconstructor:
         """
         if self._readings_from is not None:
             readings = self._readings_from(readings)
+        if self._creep.active:
+            readings = self._creep.next_of(readings, stamp_ns)
         return self.plans.write(readings, out, stamp_ns, deadline)
 
     def reset(self) -> None:
-        """Forget the readings before, from which solvers start the next: contacts and drift.
+        """Forget the readings before: contacts and drift, from which solvers start, and creep.
 
         To be called between recordings.
         """
         self.plans.reset()
+        self._creep.reset()
 
     def __repr__(self) -> str:
         rows, columns = self.grid.shape
@@ -303,9 +317,9 @@ class Reconstructor:
             "precision",
             "calibration",
             "relative",
+            "noise_std",
         )
         settings = {name: getattr(self, name) for name in names}
-        settings["noise_std"] = self.model.noise_std
         return partial(Reconstructor, **settings), (self.patch, self.layer, self.grid)
 
     def _run_in(self) -> None:

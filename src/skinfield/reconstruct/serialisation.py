@@ -8,7 +8,7 @@ import json
 import math
 import zlib
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields, is_dataclass, replace
 from functools import lru_cache
 from typing import Any
 
@@ -29,7 +29,14 @@ PARTS = "patch", "layer", "mechanics", "quantity", "solver", "noise_std", "finde
 @lru_cache(maxsize=1)
 def _kinds() -> Mapping[str, type]:
     """What a file may name; nothing else is ever made from one."""
-    from skinfield.elastic import BaseStress, BondedLayer, Capacitance, Gap, HalfSpace
+    from skinfield.elastic import (
+        BaseStress,
+        BondedLayer,
+        Capacitance,
+        Gap,
+        HalfSpace,
+        StandardLinearSolid,
+    )
     from skinfield.signal import Calibration, CySkinCount, ICubByte, PlainCount
     from skinfield.solve import (
         Auto,
@@ -44,7 +51,7 @@ def _kinds() -> Mapping[str, type]:
     known = (
         *(Patch, Layer, BondedLayer, HalfSpace, Capacitance, BaseStress, Gap, ContactFinder),
         *(GaussianField, Tikhonov, PseudoInverse, Inverse, NonNegative, ContactFit, Auto),
-        *(Calibration, ICubByte, CySkinCount, PlainCount),
+        *(StandardLinearSolid, Calibration, ICubByte, CySkinCount, PlainCount),
     )
     return {kind.__name__: kind for kind in known}
 
@@ -90,7 +97,11 @@ def plain_from_value(name: str, value: Any) -> Any:
     )
 
 
-OLDER = {"common_mode": 0.0, "model_error": 0.0}  # what files mean that do not have these
+OLDER: dict[str, Any] = {
+    "common_mode": 0.0,
+    "model_error": 0.0,
+    "relaxation": None,
+}  # what files mean that do not have these
 
 
 def value_from_plain(name: str, plain: Any) -> Any:
@@ -156,13 +167,20 @@ class ReconstructorConfig:
     @classmethod
     def of(cls, reconstructor: Reconstructor) -> "ReconstructorConfig":
         """Of a reconstructor that is there."""
-        names = {each.name for each in fields(cls)} - {"noise_std"}
-        parts: dict[str, Any] = {name: getattr(reconstructor, name) for name in names}
-        return cls(noise_std=reconstructor.model.noise_std, **parts)
+        return cls(**{each.name: getattr(reconstructor, each.name) for each in fields(cls)})
 
     def reconstructor(self) -> Reconstructor:
         """Make it: everything that needs no reading is computed now."""
         return Reconstructor(**{each.name: getattr(self, each.name) for each in fields(self)})
+
+    @property
+    def without_creep(self) -> "ReconstructorConfig":
+        """The same of readings that have been freed from creep, and so have more noise."""
+        solid = self.layer.relaxation
+        if solid is None:
+            return self
+        noise = np.asarray(self.noise_std) / solid.relaxed_fraction
+        return replace(self, layer=replace(self.layer, relaxation=None), noise_std=noise)
 
     def to_plain(self) -> dict[str, Any]:
         """In what JSON knows; raises InputError where a part is not skinfield's own."""

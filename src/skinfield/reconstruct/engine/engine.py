@@ -19,7 +19,13 @@ from skinfield.errors import (
 from skinfield.estimate import ContactFinder
 from skinfield.plot import duration, plural
 from skinfield.reconstruct.engine.intake import EngineReadings, Readings
-from skinfield.reconstruct.engine.patch_kinds import PatchGroup, check_names, kinds_of, one_skin
+from skinfield.reconstruct.engine.patch_kinds import (
+    PatchGroup,
+    check_names,
+    kinds_of,
+    layer_of,
+    one_skin,
+)
 from skinfield.reconstruct.engine.report import CycleReport
 from skinfield.reconstruct.engine.results import Estimates, PatchResults, estimate_of, grid_on
 from skinfield.reconstruct.engine.stages import answer_linearly, spend
@@ -27,6 +33,7 @@ from skinfield.reconstruct.engine.state import NS
 from skinfield.reconstruct.engine.workspace import Clockwork
 from skinfield.reconstruct.multigrid import prepare_rungs
 from skinfield.reconstruct.patch_model import PatchModel, calibrations_of, check_parts
+from skinfield.signal.creep import CreepCompensation
 from skinfield.skin import Patch, Skin
 from skinfield.solve import Auto, Solver
 from skinfield.solve.atoms.fitter import STOPPED
@@ -50,7 +57,8 @@ class Engine:
     ----------
     skin : Skin or Patch
     layer : Layer, or mapping from names of patches to Layer, optional
-        Default `Layer()` over all.
+        Default `Layer()` over all. What a patch reads is freed from what creep has left, by the
+        stamps of cycles; `run`, which takes none, leaves that to its caller.
     budget : float, s
         Of one cycle, for all patches together.
     rungs : sequence of int
@@ -129,6 +137,9 @@ class Engine:
         self.groups = self._prepared(layer, noise_std, progress)
         self._work = self._clockwork(clock)
         self._ordered = tuple(self._work.intake.names)
+        solids = [layer_of(patch, layer).relaxation for patch in self.skin]
+        starts = np.cumsum([0, *(len(patch) for patch in self.skin)])
+        self._creep = CreepCompensation(solids, starts, self.quantity)
         self._margin = DeadlineMargin()
         self.results = PatchResults(self._work, [self._ordered.index(name) for name in self.names])
         self.spent = self.first = 0.0
@@ -253,6 +264,8 @@ class Engine:
         start = self._begin(budget)
         work, cycle = self._work, self.cycle + 1
         work.intake.take(self._read(readings), valid)
+        if self._creep.active:
+            work.intake.undo_creep(self._creep, stamp_ns)
         left = self._run(start)
         report = CycleReport.of(
             work,
@@ -381,8 +394,9 @@ class Engine:
         return self._work.finds_contacts
 
     def reset(self) -> None:
-        """Forget the readings before, from which searches start."""
+        """Forget the readings before, from which searches start, and what they left."""
         self._work.reset()
+        self._creep.reset()
 
     def _run_in(self) -> None:
         """Load what is compiled and time linear answers, so that the first cycle is as the next."""

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from skinfield.elastic import Capacitance, Quantity
 from skinfield.errors import Floats, InputError, as_floats
 from skinfield.reconstruct.engine.patch_kinds import Singles, check_names
+from skinfield.signal.creep import CreepCompensation
 from skinfield.skin import Patch
 
 Readings = Mapping[str, ArrayLike] | Sequence[ArrayLike]
@@ -74,6 +75,7 @@ class EngineReadings:
         self.places = np.concatenate([np.r_[self._parts[name]] for name in self.names])
         self.noise_std[self.places] = noise_std
         self.deviation = self.noise_std.copy()
+        self._new, self._stamps = np.ones(len(sizes), np.int64), np.zeros(len(sizes), np.int64)
         self.how = _linearised_how(quantity, self.given)
 
     def take(self, readings: Readings, valid: Mapping[str, ArrayLike] | None) -> None:
@@ -116,6 +118,14 @@ class EngineReadings:
         self.wanted[:] = True if valid is None else valid
         self.deviation[:] = self.noise_std if deviation is None else deviation
         self.present[:] = True
+
+    def undo_creep(self, creep: CreepCompensation, stamp_ns: int) -> None:
+        """Free what was taken, in the skin's order, from what patches remember."""
+        self._stamps[:], raw = stamp_ns, self.given
+        good = (raw > self.quantity.lowest) & (raw < self.quantity.highest) & self.wanted
+        for name, place in zip(self._parts, self._rows, strict=True):
+            good[self._parts[name]] &= self.present[place]
+        creep.take(raw, good, self._new, self._stamps)
 
     def linearise(self) -> None:
         """Take what was given into `linear` as the quantity says; 0 for what is not valid."""

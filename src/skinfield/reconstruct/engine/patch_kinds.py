@@ -99,8 +99,10 @@ def kinds_of(
     """
     found: list[PatchKind] = []
     for patch in skin:
-        its = _layer_of(patch, layer)
+        its = layer_of(patch, layer)
         noise = _noise_of(patch, noise_std, typical)
+        if its.relaxation is not None:  # undoing it takes
+            noise = noise / its.relaxation.relaxed_fraction
         for place, kind in enumerate(found):
             if _alike(kind, patch, its, noise):
                 found[place] = PatchKind((*kind.patches, patch), its, noise)
@@ -120,7 +122,8 @@ def check_names(name: str, given: Mapping[str, object], known: Sequence[str]) ->
         )
 
 
-def _layer_of(patch: Patch, layer: Layer | Mapping[str, Layer] | None) -> Layer:
+def layer_of(patch: Patch, layer: Layer | Mapping[str, Layer] | None) -> Layer:
+    """Layer of a patch; raises InputError where a mapping does not have it."""
     if isinstance(layer, Mapping):
         if patch.name not in layer:
             raise InputError(

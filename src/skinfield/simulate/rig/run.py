@@ -129,6 +129,8 @@ class LoadCurve:
     area : (N,) array, m²
     change : (N, poses, L) array
         ΔC/C₀ of the taxels.
+    left : (loads, poses, L) array, 1/N
+        ΔC/C₀ per newton of so little of each load's field that it goes with it.
     loads : tuple of Press
         At the scenario's loads, in their order.
     """
@@ -137,6 +139,7 @@ class LoadCurve:
     depth: Floats
     area: Floats
     change: Floats
+    left: Floats
     loads: tuple[Press, ...]
 
     def depth_at(self, force: Floats) -> Floats:
@@ -188,14 +191,26 @@ def solve_ladder(scenario: Scenario, indenter: Indenter, poses: Sequence[Pose]) 
     used += [b for a, b in pairwise(every) if b.force > a.force * 1.0001]
     plane = scenario.true_plane
     taxels = np.concatenate([pose.taxels(plane) for pose in poses])
-    change = [each.capacitance(taxels, scenario.patch.pad_diameter) for each in used]
+    pads, shape = scenario.patch.pad_diameter, (-1, len(poses), len(plane))
+    change = [each.capacitance(taxels, pads) for each in used]
+    left = [_little(each).capacitance(taxels, pads) / (LITTLE * each.force) for each in loads]
     return LoadCurve(
         np.array([0.0, *(each.force for each in used)]),
         np.array([0.0, *(each.approach[0] for each in used)]),
         np.array([0.0, *(each.contact_area for each in used)]),
-        np.stack([np.zeros(len(taxels)), *change]).reshape(len(used) + 1, len(poses), len(plane)),
+        np.stack([np.zeros(len(taxels)), *change]).reshape(shape),
+        np.stack(left).reshape(shape),
         tuple(loads),
     )
+
+
+LITTLE = 0.02  # of a load: readings go with it
+
+
+def _little(load: Press) -> Press:
+    """A little of the field of a load."""
+    parts = (replace(each, traction=LITTLE * each.traction) for each in load.touches)
+    return replace(load, touches=tuple(parts))
 
 
 def _loads(scenario: Scenario, indenter: Indenter) -> list[Press]:
@@ -381,8 +396,18 @@ def _felt(
         effective[own] = np.where(last_pose[own] == pose, felt, effective[own])
         rows = slice(*np.searchsorted(sampling.time, [time[own][0] - skews[-1], time[own][-1]]))
         instants = sampling.time[rows, None] + skews
-        at = np.interp(instants, time[own], felt, left=0.0, right=0.0)
-        change[rows] += ladder.change_at(pose, at, column.astype(np.int64))
+        at, held = (
+            np.interp(instants, time[own], each, left=0.0, right=0.0) for each in (felt, pushed)
+        )
+        pressed = ladder.change_at(pose, at, column.astype(np.int64))
+        # What is left of a load, once it goes, fades with its field: exactly, when it is gone.
+        share = np.divide(held, at, out=np.ones_like(at), where=at > 0.0).clip(0.0, 1.0)
+        touches = plan.start + scenario.profile.approach
+        begun = np.searchsorted(touches, instants[:, 0], side="right") - 1
+        mine = np.flatnonzero(plan.pose == pose)
+        last = mine[np.maximum(np.searchsorted(mine, begun, side="right") - 1, 0)]
+        left = at[:, column] * ladder.left[plan.load[last], pose]
+        change[rows] += share[:, column] * pressed + (1.0 - share[:, column]) * left
     return force, effective, change
 
 
