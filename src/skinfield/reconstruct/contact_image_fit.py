@@ -1,0 +1,383 @@
+"""Fit of one body's pressure, in the body's own frame, to readings of it in many places."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from skinfield.elastic import Capacitance, ObservationModel
+from skinfield.elastic.hankel import RadialKernel, electrostatic, jinc
+from skinfield.elastic.lattice import LatticeConvolution, lattice, mirrored
+from skinfield.errors import Floats
+from skinfield.reconstruct.contact_images_kernel import (
+    Batch,
+    Lattice,
+    Prior,
+    farthest,
+    fill,
+    follow,
+    sweep,
+    visit,
+)
+from skinfield.skin import Grid, Patch
+
+STEP = 0.02e-3  # m, between the distances of a table
+FAINT = 2e-3  # of a taxel's highest response: it sees no cell that is farther
+CELL = 0.8e-3  # m: of the weights below
+TOTAL, COMPACT, LOW, EDGES, SMOOTH = 0.015, 0.06, 0.3, 0.05, 0.05  # per reading: see `Prior`
+FIRST_EDGES = 0.3  # and once
+STROKE = 16e-6  # m²: pressed evenly by 1, the unit of pressure, it gives the highest reading
+MODEL_ERROR = 0.01  # of the highest reading, beside the noise
+DEEPEST = 0.4  # strain of which the series is taken at most
+FORCE = 0.2  # of one reading's force about that of the others
+FIRST_SWEEPS, SWEEPS, STEPS, VISITS = 100, 10, 2, 4
+EARLY = 8  # a body of fewer readings is fitted so many times as there are fewer
+
+
+def cell_readings(model: ObservationModel, cell: float) -> Floats:
+    """Readings per Pa on a cell at distances `STEP` apart, and 0 at the end: (M,)."""
+    physics = model.physics
+    assert physics is not None
+    far = float(np.ptp(model.taxels, axis=0).max()) + 0.02
+    distance = np.arange(0.0, far, 50 * STEP)
+    grid = Grid(Patch(np.zeros((1, 2))), (1, 1), cell, np.zeros(2))
+
+    def at(distances: Floats) -> Floats:
+        places = np.column_stack([distances, np.zeros_like(distances)])
+        made_of = physics.mechanics, physics.layer, grid, places, physics.pad_diameter
+        return physics.quantity.matrix(*made_of)[:, 0]
+
+    coarse = np.abs(at(distance))
+    reach = distance[np.flatnonzero(coarse > FAINT * coarse.max())[-1]] + 50 * STEP
+    table = at(np.arange(0.0, reach + STEP, STEP))
+    table[-2:] = 0.0
+    return table
+
+
+def charge_readings(model: ObservationModel, cell: float, count: int) -> Floats:
+    """Readings of a unit strain on a cell, at distances `STEP` apart, and 0 at the end: (M,)."""
+    physics = model.physics
+    assert physics is not None
+    if not _curved(model):
+        return np.zeros(count)
+    thickness = physics.layer.thickness
+    pad, distance = physics.pad_diameter / 2 / thickness, np.arange(count) * STEP / thickness
+    kernel = RadialKernel(
+        lambda alpha: electrostatic(alpha) * jinc(alpha, pad) * alpha / (2 * np.pi),
+        0, 46.0, float(distance[-1]) + pad, pad,
+    )  # fmt: skip
+    table = kernel(distance) * (cell / thickness) ** 2
+    table[-2:] = 0.0
+    return table
+
+
+def _curved(model: ObservationModel) -> bool:
+    """Whether readings are more than linear in the strain of the gap."""
+    assert model.physics is not None
+    quantity = model.physics.quantity
+    return isinstance(quantity, Capacitance) and quantity.order != 1
+
+
+@dataclass(frozen=True, eq=False)
+class Charge:
+    r"""Charge beyond first order on the cells of a lattice, as strains of the gap make it.
+
+    The terms :math:`v\,\mathcal D v` and :math:`v\,\mathcal D(v\,\mathcal D v) - v^2(kh)^2v/2` of
+    `skinfield.elastic.electrostatics`, by Fourier series on twice the lattice.
+    """
+
+    model: ObservationModel
+    side: int
+    cell: float
+
+    @cached_property
+    def _strain(self) -> LatticeConvolution:
+        physics, last = self.model.physics, self.side - 1
+        assert physics is not None
+        offsets = lattice(last, last, self.cell)
+        depth = physics.mechanics.indentation(physics.layer, offsets, self.cell)
+        shape = self.side, self.side
+        return LatticeConvolution(mirrored(depth.reshape(shape)) / physics.layer.thickness)
+
+    @cached_property
+    def _waves(self) -> tuple[Floats, Floats]:
+        physics, size = self.model.physics, 2 * self.side
+        assert physics is not None
+        along = np.fft.rfftfreq(size, self.cell), np.fft.fftfreq(size, self.cell)[:, None]
+        kh = 2 * np.pi * np.hypot(*along) * physics.layer.thickness
+        return kh / np.tanh(np.maximum(kh, 1e-9)) + (kh < 1e-9), kh**2
+
+    def __call__(self, pressure: Floats, out: Floats) -> None:
+        """Write terms 2 and 3 of pressures (J,) Pa into rows 1 and 2 of `out` (3, J)."""
+        from scipy import fft
+
+        side, (steep, square) = self.side, self._waves
+
+        def times(values: Floats, waves: Floats) -> Floats:
+            spectrum = fft.rfft2(values, (2 * side, 2 * side)) * waves
+            return np.asarray(fft.irfft2(spectrum, (2 * side, 2 * side))[:side, :side])
+
+        strain = np.clip(self._strain(pressure.reshape(side, side)), -DEEPEST, DEEPEST)
+        second = strain * times(strain, steep)
+        out[1] = second.ravel()
+        quantity = self.model.physics.quantity  # type: ignore[union-attr]
+        if getattr(quantity, "order", None) != 2:
+            third = strain * times(second, steep) - 0.5 * strain**2 * times(strain, square)
+            out[2] = third.ravel()
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Fit at one instant: all that its covariance follows from.
+
+    Attributes
+    ----------
+    poses : (N, 3) array, m, m, rad
+    scales : (N,) array
+    white : (N, L) array, 1 over the unit of the reading
+    pressure : (J,) array, in `unit`
+    unit : float, Pa
+    """
+
+    poses: Floats
+    scales: Floats
+    white: Floats
+    pressure: Floats
+    unit: float
+
+
+class ImageFit:
+    """Pressure of one body on a lattice of its own, by readings in up to N poses.
+
+    Parameters
+    ----------
+    model : ObservationModel
+        With its physics.
+    centre : (2,) array, m
+        Of the lattice in the body's frame.
+    side : int
+        Cells along x and along y.
+    cell : float, m
+    most : int
+        Readings that are kept; of more, the last ones.
+    step, bend : (m, rad)
+        Of an unknown motion: from one reading to the next, and what differs from one step to the
+        next.
+
+    Attributes
+    ----------
+    count : int
+        Readings so far.
+    misfit : float
+        Mean square of what is left of the last reading, over its noise.
+    unit : float, Pa
+        Of the pressure.
+    """
+
+    def __init__(
+        self,
+        model: ObservationModel,
+        centre: Floats,
+        side: int,
+        cell: float,
+        most: int,
+        step: tuple[float, float],
+        bend: tuple[float, float],
+    ) -> None:
+        self.model, self.centre, self.side, self.cell = model, centre, side, cell
+        axis = (np.arange(side) - (side - 1) / 2) * cell
+        x, y = np.meshgrid(centre[0] + axis, centre[1] + axis)
+        first = cell_readings(model, cell)
+        self._first = first
+        second = charge_readings(model, cell, len(first))
+        self._lattice = Lattice(
+            x.ravel(), y.ravel(), side, np.ascontiguousarray(model.taxels, dtype=np.float64),
+            np.stack([first, second]), STEP,
+        )  # fmt: skip
+        area, width = (cell / CELL) ** 2, cell / CELL
+        self._weights = TOTAL * area, COMPACT * area, EDGES * width, FIRST_EDGES * width
+        self._steps = tuple(np.array([each[0], each[0], each[1]]) for each in (step, bend))
+        self._charge = Charge(model, side, cell) if _curved(model) else None
+        self._batch = _empty(side**2, most, len(model.taxels))
+        self.count, self.misfit, self.unit = 0, np.nan, 1.0
+
+    @property
+    def kept(self) -> int:
+        """Readings that the pressure follows from."""
+        return min(self.count, len(self._batch.raw))
+
+    @property
+    def pressure(self) -> Floats:
+        """(side, side) Pa, under the force of the last reading."""
+        square = self._batch.pressure.reshape(self.side, self.side)
+        return square.astype(np.float64) * (self.unit * self.scale)
+
+    @property
+    def scale(self) -> float:
+        """Force of the last reading over the mean of those that are kept."""
+        t = self._newest
+        return float(self._batch.scales[t] + self._batch.grown[t])
+
+    @property
+    def pose(self) -> Floats:
+        """(x, y, turn) of the body's frame in the plane at the last reading, m, m, rad."""
+        return np.asarray(self._batch.poses[self._newest] + self._batch.moved[self._newest])
+
+    @property
+    def poses(self) -> Floats:
+        """Of the readings that are kept, the first of them first: (N, 3)."""
+        order = np.arange(self.count - self.kept, self.count) % len(self._batch.raw)
+        return np.asarray((self._batch.poses + self._batch.moved)[order])
+
+    @property
+    def _newest(self) -> int:
+        return (self.count - 1) % len(self._batch.raw)
+
+    def _prior(self) -> Prior:
+        total, compact, edges, once = self._weights
+        kept = self.kept
+        return Prior(
+            total * kept, compact * kept, LOW, edges * kept + once, SMOOTH, *self._steps, FORCE
+        )  # fmt: skip
+
+    def update(self, readings: Floats, valid: Floats, pose: Floats, known: bool) -> None:
+        """Take in one more reading.
+
+        Parameters
+        ----------
+        readings : (L,) array, in the quantity's unit
+            Of this body alone.
+        valid : (L,) bool array
+        pose : (3,) array, m, m, rad
+            Of the body; of one that is not known, where to begin.
+        known : bool
+        """
+        batch, first = self._batch, self.count == 0
+        t = self.count % len(batch.raw)
+        before = self.scale if self.count else 1.0
+        self.count += 1
+        highest = float(np.abs(readings[valid]).max())
+        batch.raw[t] = np.where(valid, readings, 0.0)
+        noise = np.hypot(self.model.noise_std, MODEL_ERROR * highest)
+        batch.white[t] = valid / noise
+        batch.poses[t], batch.moved[t], batch.known[t] = pose, 0.0, known or first
+        batch.scales[t], batch.grown[t] = before, 0.0
+        if first:
+            self._begin(highest)
+        else:
+            self._go_on(t)
+        self._normalise()
+
+    def _begin(self, highest: float) -> None:
+        """Fit the first reading: linear at first, then with what its own pressure adds."""
+        batch, prior = self._batch, self._prior()
+        self.unit = highest / (self._first[0] / self.cell**2 * STROKE)
+        self._lattice.tables[0] = self._first * self.unit
+        linear, raw = np.empty(len(batch.raw[0])), batch.raw[0].copy()
+        assert self.model.physics is not None
+        batch.raw[0] = self.model.physics.quantity.linearise(raw, linear)
+        visit(self._lattice, batch, 0, 1, prior, 0)
+        self._sweep(prior, 3 * FIRST_SWEEPS)
+        batch.raw[0] = raw
+        for _ in range(3):
+            self._add_charge()
+            self.misfit = visit(self._lattice, batch, 0, 1, prior, 0)
+            self._sweep(prior, FIRST_SWEEPS)
+
+    def _go_on(self, t: int) -> None:
+        batch, prior = self._batch, self._prior()
+        self._add_charge()
+        self.misfit = visit(self._lattice, batch, t, self.count, prior, STEPS)
+        for again in range(max(1, EARLY // self.count)):
+            if again:
+                self._add_charge()
+            for turn in range(VISITS):
+                other = (self.count * VISITS + turn) % self.kept
+                if turn < VISITS - 1:
+                    other = farthest(batch, self.kept)
+                visit(self._lattice, batch, other, self.count, prior, 0)
+            self._sweep(prior, SWEEPS)
+            follow(batch, self.kept)
+
+    def _add_charge(self) -> None:
+        self._batch.fields[0] = self._batch.pressure
+        if self._charge is not None:
+            self._charge(self._batch.fields[0] * self.unit, self._batch.fields)
+
+    def _sweep(self, prior: Prior, sweeps: int) -> None:
+        batch = self._batch
+        sweep(
+            self.side, batch.rows, batch.rest, batch.scales.astype(np.float32), batch.pressure,
+            self.kept, *(np.float32(each) for each in prior[:5]), sweeps,
+        )  # fmt: skip
+
+    def _normalise(self) -> None:
+        """Have the mean of the scales be 1: they and the pressure are known as a product alone."""
+        batch, kept = self._batch, self.kept
+        mean = float((batch.scales + batch.grown)[:kept].mean())
+        batch.scales[:kept] /= mean
+        batch.grown[:kept] /= mean
+        batch.spread[:kept, 0] /= mean
+        batch.pressure[:] *= np.float32(mean)
+
+    def predicted(self, fields: bool = True) -> Floats:
+        """What the taxels read of the body, (L,), in the quantity's unit."""
+        from skinfield.reconstruct.contact_images_kernel import look
+
+        self._add_charge()
+        out, slopes = np.zeros((3, len(self._batch.raw[0]))), np.zeros((3, 3, len(self._batch.raw[0])))
+        look(self._lattice, self.pose, self._batch.fields, out, slopes)
+        s = self.scale
+        return np.asarray(s * (out[0] + s * (out[1] + s * out[2])))
+
+    def snapshot(self) -> Snapshot:
+        """Copy of what the covariance follows from."""
+        batch, kept = self._batch, self.kept
+        poses, scales = batch.poses + batch.moved, batch.scales + batch.grown
+        return Snapshot(
+            poses[:kept], scales[:kept], batch.white[:kept].copy(), batch.pressure.copy(), self.unit
+        )  # fmt: skip
+
+    def deviation(self, at: Snapshot) -> Floats:
+        """One standard deviation (side, side) Pa of the pressure, as if none could pull.
+
+        Of the Gaussian that has the objective's curvature where it is lowest (Laplace's method).
+        """
+        cells = self.side**2
+        rows, curvature = np.empty((cells, at.white.shape[1]), np.float32), np.zeros((cells, cells))
+        for pose, scale, white in zip(at.poses, at.scales, at.white, strict=True):
+            fill(self._lattice, pose, white * scale, rows)
+            curvature += rows @ rows.T
+        curvature += self._bending(at)
+        return np.sqrt(np.diag(np.linalg.inv(curvature))).reshape(self.side, self.side) * at.unit
+
+    def _bending(self, at: Snapshot) -> Floats:
+        """Curvature (J, J) of the total variation."""
+        side, kept = self.side, len(at.poses)
+        _, _, edges, once = self._weights
+        square = np.pad(at.pressure.reshape(side, side), ((0, 1), (0, 1)))
+        across, up = np.diff(square, axis=1)[:-1], np.diff(square, axis=0)[:, :-1]
+        weight = (edges * kept + once) / np.sqrt(across**2 + up**2 + SMOOTH**2)
+        index = np.arange(side**2).reshape(side, side)
+        out = np.diag(2.0 * weight.ravel())
+        for one, other, share in (
+            (index[:, :-1], index[:, 1:], weight[:, :-1]), (index[:-1], index[1:], weight[:-1]),
+        ):  # fmt: skip
+            a, b, w = one.ravel(), other.ravel(), share.ravel()
+            out[b, b] += w
+            out[a, b] -= w
+            out[b, a] -= w
+        return out
+
+
+def _empty(cells: int, most: int, taxels: int) -> Batch:
+    single: Any = np.float32
+    return Batch(
+        np.zeros((most, taxels)), np.zeros((most, taxels)), np.zeros((most, 3)),
+        np.zeros((most, 3)), np.ones(most), np.zeros(most), np.zeros(most, np.bool_),
+        np.zeros((cells, most, taxels), single), np.zeros((most, taxels), single),
+        np.zeros((most, taxels), single), np.zeros((most, 4, taxels)),
+        np.zeros((most, 4, taxels), single), np.zeros((most, 4), single), np.zeros((most, 4)),
+        np.zeros((most, 4)), np.zeros((3, cells)), np.zeros(cells, single),
+    )  # fmt: skip

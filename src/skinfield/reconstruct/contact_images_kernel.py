@@ -1,0 +1,458 @@
+"""Kernels of contact images: readings of a body's pressure, its poses, and the pressure of readings.
+
+The body's pressure lies on a square lattice of its own, and so does what it adds to the readings
+beyond first order; what a taxel reads of a cell depends on their distance alone.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from skinfield.compiled import inner, njit
+from skinfield.errors import Floats
+
+FAST = {"reassoc", "contract", "nsz", "arcp"}
+Singles = NDArray[np.float32]
+FARTHEST, WIDEST = 0.7e-3, 0.07  # m and rad, that a pose moves in one step
+ZERO = np.float32(0.0)
+
+
+class Lattice(NamedTuple):
+    """Cells of a body, and what a taxel reads of one.
+
+    Attributes
+    ----------
+    x, y : (J,) arrays, m
+        Of the cells, row by row, in the body's frame.
+    columns : int
+    taxels : (L, 2) array, m
+    tables : (2, M) array
+        Reading of a cell's pressure (per unit), and of its charge beyond first order, by distance;
+        0 at the end.
+    step : float, m
+        Between the distances of the tables.
+    """
+
+    x: Floats
+    y: Floats
+    columns: int
+    taxels: Floats
+    tables: Floats
+    step: float
+
+
+class Batch(NamedTuple):
+    """Readings of a body, up to N of them, each linear about a pose and a scale of its own.
+
+    A reading is s A x + J d, with d the rest of scale and pose: a standard normal vector about
+    `offset`, in units of `spread`. So its whitened rest e counts as e' (I + J J')^-1 e, whose root
+    is I - U' c U with orthonormal rows U: `rows`, `data` and `rest` are those of that root.
+
+    Attributes
+    ----------
+    raw, white : (N, L) arrays
+        Readings, and one over their noise, 0 where there is none.
+    poses, moved : (N, 3) arrays, m, m, rad
+        Where each is linear, and how far it has come since.
+    scales, grown : (N,) arrays
+        The same of the force's scale.
+    known : (N,) bool array
+        Whose pose is given.
+    rows : (J, N, L) array
+        Of a cell's pressure.
+    data, rest : (N, L) arrays
+        rest = scale * rows * pressure - data.
+    along, basis : (N, 4, L) arrays
+        J', scale first, and U.
+    shrink, offset, spread : (N, 4) arrays
+        c, and the mean and unit of d.
+    fields : (3, J) array
+        Pressure, and the charge beyond first order of two more orders.
+    pressure : (J,) array
+    """
+
+    raw: Floats
+    white: Floats
+    poses: Floats
+    moved: Floats
+    scales: Floats
+    grown: Floats
+    known: NDArray[np.bool_]
+    rows: Singles
+    data: Singles
+    rest: Singles
+    along: Floats
+    basis: Singles
+    shrink: Singles
+    offset: Floats
+    spread: Floats
+    fields: Floats
+    pressure: Singles
+
+
+class Prior(NamedTuple):
+    """What is known of pressures, poses and forces without any reading.
+
+    Attributes
+    ----------
+    total, compact, low : float
+        Weight of the pressure's sum, and of its logarithm above `low`: few cells rather than many.
+    edges, smooth : float
+        Weight of the total variation; differences below which it is a square.
+    step, bend : (3,) arrays, m, m, rad
+        Of one reading's pose about that before, and about where their motion goes on to.
+    force : float
+        Of one reading's scale about the mean of the others.
+    """
+
+    total: float
+    compact: float
+    low: float
+    edges: float
+    smooth: float
+    step: Floats
+    bend: Floats
+    force: float
+
+
+@inner(inline="always")
+def _at(taxels: Floats, row: int, pose: Floats) -> tuple[float, float]:
+    """Place of a taxel in the body's frame."""
+    right, ahead = taxels[row, 0] - pose[0], taxels[row, 1] - pose[1]
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    return cos * right + sin * ahead, cos * ahead - sin * right
+
+
+@njit(fastmath=FAST)
+def fill(lattice: Lattice, pose: Floats, white: Floats, rows: Singles) -> None:
+    """Whitened readings of each cell, into `rows` (J, L)."""
+    table, per = lattice.tables[0], 1.0 / lattice.step
+    last, count = float(len(table) - 2), len(lattice.taxels)
+    tx, ty = np.empty(count), np.empty(count)
+    for k in range(count):
+        tx[k], ty[k] = _at(lattice.taxels, k, pose)
+    for j in range(len(lattice.x)):
+        x, y = lattice.x[j], lattice.y[j]
+        for k in range(count):
+            u, v = tx[k] - x, ty[k] - y
+            place = min(math.sqrt(u * u + v * v) * per, last)
+            i = np.int32(place)
+            rows[j, k] = white[k] * (table[i] + (place - i) * (table[i + 1] - table[i]))
+
+
+@njit(fastmath=FAST)
+def look(lattice: Lattice, pose: Floats, fields: Floats, out: Floats, slopes: Floats) -> None:
+    """Readings (3, L) of the fields (3, J) of order 1 to 3, and slopes (3, 3, L) along the pose."""
+    size, count = len(lattice.x), 0
+    held = np.empty((5, size))
+    for j in range(size):
+        if fields[0, j] != 0.0 or fields[1, j] != 0.0:
+            held[0, count], held[1, count] = lattice.x[j], lattice.y[j]
+            for order in range(3):
+                held[2 + order, count] = fields[order, j]
+            count += 1
+    x, y, p, q, r = held[0], held[1], held[2], held[3], held[4]
+    first, second, per = lattice.tables[0], lattice.tables[1], 1.0 / lattice.step
+    last = float(len(first) - 2)
+    cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    for k in range(len(lattice.taxels)):
+        tx, ty = _at(lattice.taxels, k, pose)
+        a = b = c = ax = ay = bx = by = cx = cy = 0.0
+        for j in range(count):
+            u, v = tx - x[j], ty - y[j]
+            distance = math.sqrt(u * u + v * v) + 1e-12
+            place = min(distance * per, last)
+            i = np.int32(place)
+            t, over = place - i, per / distance
+            slope, other = first[i + 1] - first[i], second[i + 1] - second[i]
+            near, far = first[i] + t * slope, second[i] + t * other
+            slope, other = slope * over, other * over
+            a, b, c = a + p[j] * near, b + q[j] * far, c + r[j] * far
+            ax, bx, cx = ax + p[j] * slope * u, bx + q[j] * other * u, cx + r[j] * other * u
+            ay, by, cy = ay + p[j] * slope * v, by + q[j] * other * v, cy + r[j] * other * v
+        out[0, k], out[1, k], out[2, k] = a, b, c
+        for order in range(3):
+            gx = ax if order == 0 else (bx if order == 1 else cx)
+            gy = ay if order == 0 else (by if order == 1 else cy)
+            slopes[order, 0, k] = sin * gy - cos * gx
+            slopes[order, 1, k] = -sin * gx - cos * gy
+            slopes[order, 2, k] = gx * ty - gy * tx
+
+
+@inner
+def _expected(batch: Batch, t: int, count: int, prior: Prior, pose: Floats, spread: Floats) -> None:
+    """Pose of a reading by those before and after it, and its spread; 0 of one that is known."""
+    size, newest = len(batch.raw), (count - 1) % len(batch.raw)
+    spread[:] = 0.0
+    for k in range(3):
+        pose[k] = batch.poses[t, k] + batch.moved[t, k]
+    if batch.known[t]:
+        return
+    full = count > size
+    before, after, oldest = (t - 1) % size, (t + 1) % size, (newest + 1) % size if full else 0
+    earlier = (t - 2) % size
+    for k in range(3):
+        if t == oldest:
+            spread[k] = 2.0 * prior.step[k]
+        elif t != newest:
+            sum_ = batch.poses[before, k] + batch.moved[before, k]
+            sum_ += batch.poses[after, k] + batch.moved[after, k]
+            pose[k], spread[k] = 0.5 * sum_, 0.4 * prior.bend[k]
+        elif before == oldest:
+            pose[k] = batch.poses[before, k] + batch.moved[before, k]
+            spread[k] = prior.step[k]
+        else:
+            last = batch.poses[before, k] + batch.moved[before, k]
+            pose[k] = 2.0 * last - batch.poses[earlier, k] - batch.moved[earlier, k]
+            spread[k] = prior.bend[k]
+
+
+@njit
+def settle(
+    lattice: Lattice,
+    fields: Floats,
+    white: Floats,
+    raw: Floats,
+    pose: Floats,
+    scale: float,
+    centre: Floats,
+    spread: Floats,
+    steps: int,
+    rest: Floats,
+    along: Floats,
+) -> tuple[float, float]:
+    """Most probable pose (in place) and scale of a reading, by steps of Gauss and Newton.
+
+    Parameters
+    ----------
+    centre, spread : (3,) arrays
+        Of the pose before the reading; a spread of 0: it is known.
+    rest : (L,) array
+        Receives the reading less what is beyond first order.
+    along : (4, L) array
+        Receives the whitened slopes along the logarithm of the scale, and along the pose.
+
+    Returns
+    -------
+    scale : float
+    misfit : float
+        Mean square of the whitened rest.
+    """
+    y, slopes = np.zeros((3, len(raw))), np.zeros((3, 3, len(raw)))
+    size = 4 if spread[0] > 0.0 else 1
+    misfit, at_first, left = 0.0, scale, raw.copy()
+    for step in range(steps + 1):
+        if step == 0 or size > 1:
+            look(lattice, pose, fields, y, slopes)
+        s = scale
+        left = white * (raw - s * (y[0] + s * (y[1] + s * y[2])))
+        misfit = (left * left).mean()
+        along[0] = (white * s) * (y[0] + s * (2.0 * y[1] + s * 3.0 * y[2]))
+        for k in range(3):
+            along[1 + k] = (white * s) * (slopes[0, k] + s * (slopes[1, k] + s * slopes[2, k]))
+        if step == steps:
+            break
+        part = along[:size]
+        normal, right = part @ part.T, part @ left
+        normal[0, 0] += 1e-9
+        for k in range(1, size):
+            weight = 1.0 / spread[k - 1] ** 2
+            normal[k, k] += weight
+            right[k] -= weight * (pose[k - 1] - centre[k - 1])
+        change = np.linalg.solve(normal, right)
+        far = 1.0
+        for k in range(1, size):
+            far = max(far, abs(change[k]) / (WIDEST if k == 3 else FARTHEST))
+            pose[k - 1] += change[k] / far
+        grown = min(max(change[0] / far, -0.5), 0.5)
+        scale = min(max(scale * (1.0 + grown), 0.1 * at_first), 10.0 * at_first)
+    rest[:] = raw - scale * scale * (y[1] + scale * y[2])
+    return scale, misfit
+
+
+@njit(fastmath=FAST)
+def _into_root(
+    batch: Batch, t: int, size: int, along: Floats, white: Floats, rest: Floats
+) -> None:
+    """Rows and data of a reading, as their root has them: see `Batch`."""
+    part = np.ascontiguousarray(along[:size])
+    values, turn = np.linalg.eigh(part @ part.T)
+    batch.basis[t] = ZERO
+    batch.shrink[t] = ZERO
+    batch.along[t] = 0.0
+    batch.along[t, :size] = part
+    for i in range(size):
+        value = max(values[i], 1e-12)
+        batch.shrink[t, i] = 1.0 - 1.0 / math.sqrt(1.0 + value)
+        for k in range(len(white)):
+            total = 0.0
+            for m in range(size):
+                total += turn[m, i] * part[m, k]
+            batch.basis[t, i, k] = total / math.sqrt(value)
+    scale = np.float32(batch.scales[t])
+    for k in range(len(white)):
+        total = white[k] * rest[k]
+        for m in range(size):
+            total -= batch.offset[t, m] * part[m, k]
+        batch.data[t, k] = total
+    _rooted(batch.data[t], batch.basis[t], batch.shrink[t], size)
+    for k in range(len(white)):
+        batch.rest[t, k] = -batch.data[t, k]
+    for j in range(len(batch.pressure)):
+        row = batch.rows[j, t]
+        _rooted(row, batch.basis[t], batch.shrink[t], size)
+        p = batch.pressure[j]
+        if p != ZERO:
+            for k in range(len(white)):
+                batch.rest[t, k] += scale * p * row[k]
+
+
+@inner(fastmath=FAST, inline="always")
+def _rooted(row: Singles, basis: Singles, shrink: Singles, size: int) -> None:
+    for i in range(size):
+        total = np.float32(0.0)
+        for k in range(len(row)):
+            total += basis[i, k] * row[k]
+        total *= shrink[i]
+        for k in range(len(row)):
+            row[k] -= total * basis[i, k]
+
+
+@njit
+def visit(
+    lattice: Lattice, batch: Batch, t: int, count: int, prior: Prior, steps: int
+) -> float:
+    """Make a reading linear where its pose and scale have come to; its misfit."""
+    centre, spread = np.empty(3), np.empty(3)
+    _expected(batch, t, count, prior, centre, spread)
+    kept = min(count, len(batch.raw))
+    white, others = batch.white[t], 0.0
+    for i in range(kept):
+        others += (batch.scales[i] + batch.grown[i]) * (i != t) / max(kept - 1, 1)
+    batch.poses[t] += batch.moved[t]
+    batch.scales[t] += batch.grown[t]
+    batch.moved[t], batch.grown[t] = 0.0, 0.0
+    rest, along = np.empty(len(white)), np.empty((4, len(white)))
+    batch.scales[t], misfit = settle(
+        lattice, batch.fields, white, batch.raw[t], batch.poses[t], batch.scales[t], centre,
+        spread, steps, rest, along,
+    )  # fmt: skip
+    fill(lattice, batch.poses[t], white, batch.rows[:, t])
+    scale, size = batch.scales[t], 4 if spread[0] > 0.0 else 1
+    batch.spread[t, 0] = prior.force * others if kept > 1 else 0.0
+    batch.offset[t, 0] = (others - scale) / batch.spread[t, 0] if kept > 1 else 0.0
+    along[0] *= batch.spread[t, 0] / scale
+    for k in range(1, size):
+        batch.spread[t, k] = spread[k - 1]
+        batch.offset[t, k] = (centre[k - 1] - batch.poses[t, k - 1]) / spread[k - 1]
+        along[k] *= spread[k - 1]
+    _into_root(batch, t, size, along, white, rest)
+    return misfit
+
+
+@njit
+def follow(batch: Batch, kept: int) -> None:
+    """How far scale and pose of each reading come by the pressure as it is now."""
+    for t in range(kept):
+        size = 1 if batch.known[t] else 4
+        rest = batch.rest[t].astype(np.float64)
+        for i in range(size):
+            basis = batch.basis[t, i].astype(np.float64)
+            shrink = float(batch.shrink[t, i])
+            rest += (shrink / (1.0 - shrink) * (basis @ rest)) * basis
+        along = np.ascontiguousarray(batch.along[t, :size])
+        normal = along @ along.T
+        for i in range(size):
+            normal[i, i] += 1.0
+        change = batch.offset[t, :size] - np.linalg.solve(normal, along @ rest)
+        far = 1.0
+        for k in range(1, size):
+            change[k] *= batch.spread[t, k]
+            far = max(far, abs(change[k]) / (WIDEST if k == 3 else FARTHEST))
+        for k in range(1, size):
+            batch.moved[t, k - 1] = change[k] / far
+        grown, most = change[0] * batch.spread[t, 0], 0.3 * batch.scales[t]
+        batch.grown[t] = min(max(grown, -most), most)
+
+
+@njit
+def farthest(batch: Batch, kept: int) -> int:
+    """Reading that has come farthest from where it is linear."""
+    best, most = 0, -1.0
+    for t in range(kept):
+        way = abs(batch.grown[t]) / batch.scales[t] * 3.0
+        for k in range(3):
+            way = max(way, abs(batch.moved[t, k]) / (0.1 if k == 2 else 1e-3))
+        if way > most:
+            best, most = t, way
+    return best
+
+
+@njit(fastmath=FAST)
+def sweep(
+    columns: int, rows: Singles, rest: Singles, scales: Singles, pressure: Singles, kept: int,
+    total: float, compact: float, low: float, edges: float, smooth: float, sweeps: int,
+) -> None:  # fmt: skip
+    """Lower the objective cell by cell, in place: coordinate descent.
+
+    The total variation and the logarithm are squares and planes above themselves, renewed in each
+    sweep (half-quadratic; Geman and Reynolds, IEEE PAMI 14, 1992), so that no step goes up.
+
+    Parameters
+    ----------
+    rows : (J, N, L) array
+    rest : (N, L) array
+        scale * rows * pressure - data; is kept up.
+    scales : (N,) array
+    pressure : (J,) array
+    kept : int
+        Readings that there are.
+    total, compact, low, edges, smooth : float
+        See `Prior`.
+    """
+    cells, _, taxels = rows.shape
+    height = cells // columns
+    curvature = np.full(cells, -1.0, np.float32)
+    coupling = np.zeros(cells, np.float32)
+    for turn in range(sweeps):
+        for j in range(cells):
+            r, c, p = j // columns, j % columns, pressure[j]
+            dx = (pressure[j + 1] if c + 1 < columns else ZERO) - p
+            dy = (pressure[j + columns] if r + 1 < height else ZERO) - p
+            coupling[j] = edges / math.sqrt(dx * dx + dy * dy + smooth * smooth)
+        for i in range(cells):
+            j = i if turn % 2 == 0 else cells - 1 - i
+            r, c, p = j // columns, j % columns, pressure[j]
+            left = pressure[j - 1] if c > 0 else ZERO
+            right = pressure[j + 1] if c + 1 < columns else ZERO
+            below = pressure[j - columns] if r > 0 else ZERO
+            above = pressure[j + columns] if r + 1 < height else ZERO
+            if turn % 4 != 0 and p == ZERO and left + right + below + above == ZERO:
+                continue
+            w = coupling[j]
+            wl = coupling[j - 1] if c > 0 else w
+            wb = coupling[j - columns] if r > 0 else w
+            slope = total + compact * low / (p + low)
+            slope += w * (2.0 * p - right - above) + wl * (p - left) + wb * (p - below)
+            square = ZERO
+            for t in range(kept):
+                g = ZERO
+                for k in range(taxels):
+                    g += rows[j, t, k] * rest[t, k]
+                slope += scales[t] * g
+                if curvature[j] < ZERO:
+                    g = ZERO
+                    for k in range(taxels):
+                        g += rows[j, t, k] * rows[j, t, k]
+                    square += scales[t] * scales[t] * g
+            if curvature[j] < ZERO:
+                curvature[j] = square
+            change = max(-slope / (curvature[j] + 2.0 * w + wl + wb), -p)
+            if change != 0.0:
+                pressure[j] = p + change
+                for t in range(kept):
+                    f = np.float32(scales[t] * change)
+                    for k in range(taxels):
+                        rest[t, k] += f * rows[j, t, k]
