@@ -17,6 +17,7 @@ from skinfield.reconstruct.contact_images_kernel import (
     farthest,
     fill,
     follow,
+    look,
     sweep,
     visit,
 )
@@ -24,6 +25,7 @@ from skinfield.skin import Grid, Patch
 
 STEP = 0.02e-3  # m, between the distances of a table
 FAINT = 2e-3  # of a taxel's highest response: it sees no cell that is farther
+FIELD_REACH = 6.0  # thicknesses beyond a pad's rim, where its field has ended
 CELL = 0.8e-3  # m: of the weights below
 TOTAL, COMPACT, LOW, EDGES, SMOOTH = 0.015, 0.06, 0.3, 0.05, 0.05  # per reading: see `Prior`
 FIRST_EDGES = 0.3  # and once
@@ -31,7 +33,10 @@ STROKE = 16e-6  # m²: pressed evenly by 1, the unit of pressure, it gives the h
 MODEL_ERROR = 0.01  # of the highest reading, beside the noise
 DEEPEST = 0.4  # strain of which the series is taken at most
 FORCE = 0.2  # of one reading's force about that of the others
-FIRST_SWEEPS, SWEEPS, STEPS, VISITS = 100, 10, 2, 4
+FIRST_SWEEPS, SWEEPS, STEPS, VISITS = 100, 6, 2, 3
+WHOLE = 4  # readings, of which one looks at all cells
+ONWARDS = 0.7  # of its last step, that a body is expected to go on
+LOST = 3.0  # misfit of a pose that is another one
 EARLY = 8  # a body of fewer readings is fitted so many times as there are fewer
 
 
@@ -50,26 +55,31 @@ def cell_readings(model: ObservationModel, cell: float) -> Floats:
 
     coarse = np.abs(at(distance))
     reach = distance[np.flatnonzero(coarse > FAINT * coarse.max())[-1]] + 50 * STEP
-    table = at(np.arange(0.0, reach + STEP, STEP))
+    return _ended(at(np.arange(0.0, reach + STEP, STEP)))
+
+
+def _ended(table: Floats) -> Floats:
+    """Table that goes to 0 where it is faint for good."""
+    last = int(np.flatnonzero(np.abs(table) > FAINT * np.abs(table).max())[-1])
+    table = table[: last + 4].copy()
     table[-2:] = 0.0
     return table
 
 
-def charge_readings(model: ObservationModel, cell: float, count: int) -> Floats:
+def charge_readings(model: ObservationModel, cell: float) -> Floats:
     """Readings of a unit strain on a cell, at distances `STEP` apart, and 0 at the end: (M,)."""
     physics = model.physics
     assert physics is not None
     if not _curved(model):
-        return np.zeros(count)
+        return np.zeros(4)
     thickness = physics.layer.thickness
-    pad, distance = physics.pad_diameter / 2 / thickness, np.arange(count) * STEP / thickness
+    pad = physics.pad_diameter / 2 / thickness
+    distance = np.arange(0.0, pad + FIELD_REACH, STEP / thickness)
     kernel = RadialKernel(
         lambda alpha: electrostatic(alpha) * jinc(alpha, pad) * alpha / (2 * np.pi),
         0, 46.0, float(distance[-1]) + pad, pad,
     )  # fmt: skip
-    table = kernel(distance) * (cell / thickness) ** 2
-    table[-2:] = 0.0
-    return table
+    return _ended(kernel(distance) * (cell / thickness) ** 2)
 
 
 def _curved(model: ObservationModel) -> bool:
@@ -138,6 +148,8 @@ class Snapshot:
     white : (N, L) array, 1 over the unit of the reading
     pressure : (J,) array, in `unit`
     unit : float, Pa
+    scale : float
+        Of the last reading.
     """
 
     poses: Floats
@@ -145,6 +157,7 @@ class Snapshot:
     white: Floats
     pressure: Floats
     unit: float
+    scale: float
 
 
 class ImageFit:
@@ -164,6 +177,8 @@ class ImageFit:
     step, bend : (m, rad)
         Of an unknown motion: from one reading to the next, and what differs from one step to the
         next.
+    known : bool
+        Whether poses are given.
 
     Attributes
     ----------
@@ -184,16 +199,18 @@ class ImageFit:
         most: int,
         step: tuple[float, float],
         bend: tuple[float, float],
+        known: bool,
     ) -> None:
         self.model, self.centre, self.side, self.cell = model, centre, side, cell
-        axis = (np.arange(side) - (side - 1) / 2) * cell
-        x, y = np.meshgrid(centre[0] + axis, centre[1] + axis)
+        self.known = known
+        x, y = np.meshgrid(*self.cells)
         first = cell_readings(model, cell)
         self._first = first
-        second = charge_readings(model, cell, len(first))
+        second = charge_readings(model, cell)
         self._lattice = Lattice(
-            x.ravel(), y.ravel(), side, np.ascontiguousarray(model.taxels, dtype=np.float64),
-            np.stack([first, second]), STEP,
+            x.ravel().astype(np.float32), y.ravel().astype(np.float32), side,
+            np.ascontiguousarray(model.taxels, dtype=np.float64),
+            first.astype(np.float32), second.astype(np.float32), STEP,
         )  # fmt: skip
         area, width = (cell / CELL) ** 2, cell / CELL
         self._weights = TOTAL * area, COMPACT * area, EDGES * width, FIRST_EDGES * width
@@ -241,7 +258,15 @@ class ImageFit:
             total * kept, compact * kept, LOW, edges * kept + once, SMOOTH, *self._steps, FORCE
         )  # fmt: skip
 
-    def update(self, readings: Floats, valid: Floats, pose: Floats, known: bool) -> None:
+    @property
+    def cells(self) -> tuple[Floats, Floats]:
+        """Of the columns along x, and of the rows along y, in the body's frame: (side,) m each."""
+        axis = (np.arange(self.side) - (self.side - 1) / 2) * self.cell
+        return self.centre[0] + axis, self.centre[1] + axis
+
+    def update(
+        self, readings: Floats, valid: Any, pose: Floats | None, hint: Floats | None = None
+    ) -> None:
         """Take in one more reading.
 
         Parameters
@@ -249,31 +274,40 @@ class ImageFit:
         readings : (L,) array, in the quantity's unit
             Of this body alone.
         valid : (L,) bool array
-        pose : (3,) array, m, m, rad
-            Of the body; of one that is not known, where to begin.
-        known : bool
+        pose : (3,) array, m, m, rad, optional
+            Of the body, at its first reading and where it is known.
+        hint : (2,) array, m, optional
+            How far its contact has come since the reading before: for where the pose that its
+            motion foretells does not fit.
         """
         batch, first = self._batch, self.count == 0
-        t = self.count % len(batch.raw)
-        before = self.scale if self.count else 1.0
+        t, before = self.count % len(batch.raw), self.scale if self.count else 1.0
+        start = self._foretold() if pose is None else pose
+        last = None if first else self.pose
         self.count += 1
         highest = float(np.abs(readings[valid]).max())
         batch.raw[t] = np.where(valid, readings, 0.0)
         noise = np.hypot(self.model.noise_std, MODEL_ERROR * highest)
         batch.white[t] = valid / noise
-        batch.poses[t], batch.moved[t], batch.known[t] = pose, 0.0, known or first
+        batch.poses[t], batch.moved[t], batch.known[t] = start, 0.0, first or self.known
         batch.scales[t], batch.grown[t] = before, 0.0
         if first:
             self._begin(highest)
         else:
-            self._go_on(t)
+            again = None if hint is None or last is None else last + np.array([*hint, 0.0])
+            self._go_on(t, again)
         self._normalise()
+
+    def _foretold(self) -> Floats:
+        """Where the motion goes on to."""
+        poses = self.poses[-2:]
+        return np.asarray(poses[-1] + ONWARDS * (poses[-1] - poses[0]))
 
     def _begin(self, highest: float) -> None:
         """Fit the first reading: linear at first, then with what its own pressure adds."""
         batch, prior = self._batch, self._prior()
         self.unit = highest / (self._first[0] / self.cell**2 * STROKE)
-        self._lattice.tables[0] = self._first * self.unit
+        self._lattice.first[:] = self._first * self.unit
         linear, raw = np.empty(len(batch.raw[0])), batch.raw[0].copy()
         assert self.model.physics is not None
         batch.raw[0] = self.model.physics.quantity.linearise(raw, linear)
@@ -285,10 +319,18 @@ class ImageFit:
             self.misfit = visit(self._lattice, batch, 0, 1, prior, 0)
             self._sweep(prior, FIRST_SWEEPS)
 
-    def _go_on(self, t: int) -> None:
+    def _go_on(self, t: int, other_start: Floats | None) -> None:
         batch, prior = self._batch, self._prior()
         self._add_charge()
+        scale = float(batch.scales[t])
         self.misfit = visit(self._lattice, batch, t, self.count, prior, STEPS)
+        if other_start is not None and self.misfit > LOST:
+            found = batch.poses[t].copy(), float(batch.scales[t]), self.misfit
+            batch.poses[t], batch.scales[t] = other_start, scale
+            self.misfit = visit(self._lattice, batch, t, self.count, prior, 2 * STEPS)
+            if self.misfit > found[2]:
+                batch.poses[t], batch.scales[t] = found[:2]
+                self.misfit = visit(self._lattice, batch, t, self.count, prior, 0)
         for again in range(max(1, EARLY // self.count)):
             if again:
                 self._add_charge()
@@ -310,6 +352,7 @@ class ImageFit:
         sweep(
             self.side, batch.rows, batch.rest, batch.scales.astype(np.float32), batch.pressure,
             self.kept, *(np.float32(each) for each in prior[:5]), sweeps,
+            self.count % WHOLE < 1 or self.count < EARLY,
         )  # fmt: skip
 
     def _normalise(self) -> None:
@@ -321,12 +364,11 @@ class ImageFit:
         batch.spread[:kept, 0] /= mean
         batch.pressure[:] *= np.float32(mean)
 
-    def predicted(self, fields: bool = True) -> Floats:
+    def predicted(self) -> Floats:
         """What the taxels read of the body, (L,), in the quantity's unit."""
-        from skinfield.reconstruct.contact_images_kernel import look
-
         self._add_charge()
-        out, slopes = np.zeros((3, len(self._batch.raw[0]))), np.zeros((3, 3, len(self._batch.raw[0])))
+        count = self._batch.raw.shape[1]
+        out, slopes = np.zeros((3, count)), np.zeros((3, 3, count))
         look(self._lattice, self.pose, self._batch.fields, out, slopes)
         s = self.scale
         return np.asarray(s * (out[0] + s * (out[1] + s * out[2])))
@@ -336,7 +378,8 @@ class ImageFit:
         batch, kept = self._batch, self.kept
         poses, scales = batch.poses + batch.moved, batch.scales + batch.grown
         return Snapshot(
-            poses[:kept], scales[:kept], batch.white[:kept].copy(), batch.pressure.copy(), self.unit
+            poses[:kept], scales[:kept], batch.white[:kept].copy(), batch.pressure.copy(),
+            self.unit, self.scale,
         )  # fmt: skip
 
     def deviation(self, at: Snapshot) -> Floats:
@@ -350,7 +393,8 @@ class ImageFit:
             fill(self._lattice, pose, white * scale, rows)
             curvature += rows @ rows.T
         curvature += self._bending(at)
-        return np.sqrt(np.diag(np.linalg.inv(curvature))).reshape(self.side, self.side) * at.unit
+        spread = np.sqrt(np.diag(np.linalg.inv(curvature))).reshape(self.side, self.side)
+        return np.asarray(spread * (at.unit * at.scale))
 
     def _bending(self, at: Snapshot) -> Floats:
         """Curvature (J, J) of the total variation."""

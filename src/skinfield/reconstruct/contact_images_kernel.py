@@ -1,4 +1,4 @@
-"""Kernels of contact images: readings of a body's pressure, its poses, and the pressure of readings.
+"""Kernels of contact images: what taxels read of a body, its poses, and its pressure.
 
 The body's pressure lies on a square lattice of its own, and so does what it adds to the readings
 beyond first order; what a taxel reads of a cell depends on their distance alone.
@@ -16,7 +16,8 @@ from skinfield.errors import Floats
 FAST = {"reassoc", "contract", "nsz", "arcp"}
 Singles = NDArray[np.float32]
 FARTHEST, WIDEST = 0.7e-3, 0.07  # m and rad, that a pose moves in one step
-ZERO = np.float32(0.0)
+ZERO, TINY, ONE = np.float32(0.0), np.float32(1e-9), np.uint32(1)
+FAINT = 2e-3  # of the highest charge beyond first order: cells that have less are left out
 
 
 class Lattice(NamedTuple):
@@ -28,18 +29,19 @@ class Lattice(NamedTuple):
         Of the cells, row by row, in the body's frame.
     columns : int
     taxels : (L, 2) array, m
-    tables : (2, M) array
+    first, second : (M,), (M',) arrays
         Reading of a cell's pressure (per unit), and of its charge beyond first order, by distance;
-        0 at the end.
+        0 from the end on.
     step : float, m
         Between the distances of the tables.
     """
 
-    x: Floats
-    y: Floats
+    x: Singles
+    y: Singles
     columns: int
     taxels: Floats
-    tables: Floats
+    first: Singles
+    second: Singles
     step: float
 
 
@@ -128,57 +130,79 @@ def _at(taxels: Floats, row: int, pose: Floats) -> tuple[float, float]:
 @njit(fastmath=FAST)
 def fill(lattice: Lattice, pose: Floats, white: Floats, rows: Singles) -> None:
     """Whitened readings of each cell, into `rows` (J, L)."""
-    table, per = lattice.tables[0], 1.0 / lattice.step
-    last, count = float(len(table) - 2), len(lattice.taxels)
-    tx, ty = np.empty(count), np.empty(count)
+    table, per, count = lattice.first, np.float32(1.0 / lattice.step), len(lattice.taxels)
+    reach = np.float32(((len(table) - 2) * lattice.step) ** 2)
+    held = np.empty((3, count), np.float32)
     for k in range(count):
-        tx[k], ty[k] = _at(lattice.taxels, k, pose)
+        held[0, k], held[1, k] = _at(lattice.taxels, k, pose)
+        held[2, k] = white[k]
+    tx, ty, weight = held[0], held[1], held[2]
+    rows[:] = ZERO
     for j in range(len(lattice.x)):
         x, y = lattice.x[j], lattice.y[j]
         for k in range(count):
             u, v = tx[k] - x, ty[k] - y
-            place = min(math.sqrt(u * u + v * v) * per, last)
-            i = np.int32(place)
-            rows[j, k] = white[k] * (table[i] + (place - i) * (table[i + 1] - table[i]))
+            square = u * u + v * v
+            if square < reach:
+                place = np.float32(math.sqrt(square)) * per
+                i = np.uint32(place)
+                near = table[i]
+                slope = table[i + ONE] - near
+                rows[j, k] = weight[k] * (near + (place - np.float32(i)) * slope)
 
 
 @njit(fastmath=FAST)
 def look(lattice: Lattice, pose: Floats, fields: Floats, out: Floats, slopes: Floats) -> None:
     """Readings (3, L) of the fields (3, J) of order 1 to 3, and slopes (3, 3, L) along the pose."""
-    size, count = len(lattice.x), 0
-    held = np.empty((5, size))
+    size, count, far, faint = len(lattice.x), 0, 0, FAINT * np.abs(fields[1]).max()
+    held = np.empty((7, size), np.float32)
     for j in range(size):
-        if fields[0, j] != 0.0 or fields[1, j] != 0.0:
-            held[0, count], held[1, count] = lattice.x[j], lattice.y[j]
-            for order in range(3):
-                held[2 + order, count] = fields[order, j]
+        if fields[0, j] != 0.0:
+            held[0, count], held[1, count], held[2, count] = (
+                lattice.x[j],
+                lattice.y[j],
+                fields[0, j],
+            )
             count += 1
-    x, y, p, q, r = held[0], held[1], held[2], held[3], held[4]
-    first, second, per = lattice.tables[0], lattice.tables[1], 1.0 / lattice.step
-    last = float(len(first) - 2)
+        if abs(fields[1, j]) > faint:
+            held[3, far], held[4, far] = lattice.x[j], lattice.y[j]
+            held[5, far], held[6, far] = fields[1, j], fields[2, j]
+            far += 1
     cos, sin = math.cos(pose[2]), math.sin(pose[2])
+    sums, more = np.empty((2, 3), np.float32), np.empty((2, 3), np.float32)
     for k in range(len(lattice.taxels)):
         tx, ty = _at(lattice.taxels, k, pose)
-        a = b = c = ax = ay = bx = by = cx = cy = 0.0
-        for j in range(count):
-            u, v = tx - x[j], ty - y[j]
-            distance = math.sqrt(u * u + v * v) + 1e-12
-            place = min(distance * per, last)
-            i = np.int32(place)
-            t, over = place - i, per / distance
-            slope, other = first[i + 1] - first[i], second[i + 1] - second[i]
-            near, far = first[i] + t * slope, second[i] + t * other
-            slope, other = slope * over, other * over
-            a, b, c = a + p[j] * near, b + q[j] * far, c + r[j] * far
-            ax, bx, cx = ax + p[j] * slope * u, bx + q[j] * other * u, cx + r[j] * other * u
-            ay, by, cy = ay + p[j] * slope * v, by + q[j] * other * v, cy + r[j] * other * v
-        out[0, k], out[1, k], out[2, k] = a, b, c
+        sums[:], more[:] = ZERO, ZERO
+        _add(lattice.first, lattice.step, tx, ty, held[0:3, :count], sums[:1])
+        _add(lattice.second, lattice.step, tx, ty, held[3:7, :far], more)
         for order in range(3):
-            gx = ax if order == 0 else (bx if order == 1 else cx)
-            gy = ay if order == 0 else (by if order == 1 else cy)
+            value, gx, gy = sums[0] if order == 0 else more[order - 1]
+            out[order, k] = value
             slopes[order, 0, k] = sin * gy - cos * gx
             slopes[order, 1, k] = -sin * gx - cos * gy
             slopes[order, 2, k] = gx * ty - gy * tx
+
+
+@inner(fastmath=FAST)
+def _add(table: Singles, step: float, x: float, y: float, held: Singles, sums: Singles) -> None:
+    """Reading and its slopes along x and y, of one or two fields (2 + F, count), to (F, 3)."""
+    per, tx, ty = np.float32(1.0 / step), np.float32(x), np.float32(y)
+    reach = np.float32(((len(table) - 2) * step) ** 2)
+    for j in range(held.shape[1]):
+        u, v = tx - held[0, j], ty - held[1, j]
+        square = u * u + v * v
+        if square < reach:
+            distance = np.float32(math.sqrt(square)) + TINY
+            place = distance * per
+            i = np.uint32(place)
+            slope = table[i + ONE] - table[i]
+            near = table[i] + (place - np.float32(i)) * slope
+            slope *= per / distance
+            for m in range(len(sums)):
+                p = held[2 + m, j]
+                sums[m, 0] += p * near
+                sums[m, 1] += p * slope * u
+                sums[m, 2] += p * slope * v
 
 
 @inner
@@ -273,9 +297,7 @@ def settle(
 
 
 @njit(fastmath=FAST)
-def _into_root(
-    batch: Batch, t: int, size: int, along: Floats, white: Floats, rest: Floats
-) -> None:
+def _into_root(batch: Batch, t: int, size: int, along: Floats, white: Floats, rest: Floats) -> None:
     """Rows and data of a reading, as their root has them: see `Batch`."""
     part = np.ascontiguousarray(along[:size])
     values, turn = np.linalg.eigh(part @ part.T)
@@ -321,9 +343,7 @@ def _rooted(row: Singles, basis: Singles, shrink: Singles, size: int) -> None:
 
 
 @njit
-def visit(
-    lattice: Lattice, batch: Batch, t: int, count: int, prior: Prior, steps: int
-) -> float:
+def visit(lattice: Lattice, batch: Batch, t: int, count: int, prior: Prior, steps: int) -> float:
     """Make a reading linear where its pose and scale have come to; its misfit."""
     centre, spread = np.empty(3), np.empty(3)
     _expected(batch, t, count, prior, centre, spread)
@@ -393,7 +413,7 @@ def farthest(batch: Batch, kept: int) -> int:
 @njit(fastmath=FAST)
 def sweep(
     columns: int, rows: Singles, rest: Singles, scales: Singles, pressure: Singles, kept: int,
-    total: float, compact: float, low: float, edges: float, smooth: float, sweeps: int,
+    total: float, compact: float, low: float, edges: float, smooth: float, sweeps: int, whole: bool,
 ) -> None:  # fmt: skip
     """Lower the objective cell by cell, in place: coordinate descent.
 
@@ -411,6 +431,9 @@ def sweep(
         Readings that there are.
     total, compact, low, edges, smooth : float
         See `Prior`.
+    sweeps : int
+    whole : bool
+        Look at cells that border on no pressed one as well, in every fourth sweep.
     """
     cells, _, taxels = rows.shape
     height = cells // columns
@@ -429,7 +452,8 @@ def sweep(
             right = pressure[j + 1] if c + 1 < columns else ZERO
             below = pressure[j - columns] if r > 0 else ZERO
             above = pressure[j + columns] if r + 1 < height else ZERO
-            if turn % 4 != 0 and p == ZERO and left + right + below + above == ZERO:
+            alone = left + right + below + above == ZERO
+            if alone and p == ZERO and not (whole and turn % 4 == 0):
                 continue
             w = coupling[j]
             wl = coupling[j - 1] if c > 0 else w

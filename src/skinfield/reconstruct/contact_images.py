@@ -1,0 +1,360 @@
+r"""Images of contacts that sharpen as bodies move over the skin: super-resolution over time.
+
+A reading knows little between taxels. But what moves is seen by other taxels: one field in the
+body's own frame that is nowhere negative has to explain all readings of it,
+
+.. math:: y_t = s_t\,A(x_t, y_t, \theta_t)\,p + \varepsilon_t, \qquad p \ge 0,
+
+with the force's scale s of each reading, and its pose where nobody gives it, marginalised to first
+order (variable projection; Golub and Pereyra, SIAM J. Numer. Anal. 10, 1973). The prior wants few
+cells (a concave penalty on the pressure, which holds the force, too) with short edges (total
+variation; Rudin, Osher and Fatemi, Physica D 60, 1992).
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from skinfield.errors import (
+    Floats,
+    InputError,
+    as_floats,
+    as_stamps,
+    check_count,
+    check_finite,
+    check_positive,
+    check_range,
+    check_shape,
+    check_type,
+)
+from skinfield.estimate import Contact, Estimate
+from skinfield.estimate.contact_image import ContactImage
+from skinfield.estimate.developed_plane import Chart
+from skinfield.reconstruct.contact_image_fit import ImageFit
+from skinfield.reconstruct.reconstructor import Reconstructor, checked_readings
+
+GAP = 1.5  # pitches of the taxels: contacts that are nearer to each other are of one body
+MARGIN = 0.7  # pitches around what is felt first, in which the body may be as well
+SIDES = 12, 56  # cells along the side of an image
+FELT = 5.0  # times its noise: a reading of a body
+BENDS = 1.7  # times its step, that a motion's steps differ from one another
+
+
+class Touch(NamedTuple):
+    """Contacts of one reading that are of one body: centre (2,) m, border (N, 2) m, force N."""
+
+    centre: Floats
+    border: Floats
+    force: float
+
+
+class _Body:
+    """A body that touches: its fit, and when it was felt last."""
+
+    def __init__(self, fit: ImageFit, number: int, centre: Floats) -> None:
+        self.fit, self.number, self.centre = fit, number, centre
+        self.unseen, self.stamp = 0, 0
+
+    def image(self, rec: Reconstructor) -> ContactImage:
+        fit = self.fit
+        at, (x, y) = fit.snapshot(), fit.cells
+        return ContactImage(
+            pressure=fit.pressure,
+            body_positions=np.stack(np.meshgrid(x, y), axis=-1),
+            pose=fit.pose,
+            patch=rec.patch,
+            readings=fit.kept,
+            misfit=fit.misfit,
+            track_id=self.number,
+            stamp_ns=self.stamp,
+            deviation=lambda: fit.deviation(at),
+        )
+
+    def place(self) -> Floats:
+        """Centre of its pressure in the plane, (2,) m."""
+        weight = self.fit.pressure
+        x, y = self.fit.cells
+        mean = np.array([weight.sum(axis=0) @ x, weight.sum(axis=1) @ y]) / weight.sum()
+        return _turned(mean, self.fit.pose[2]) + self.fit.pose[:2]
+
+
+class ContactImages:
+    """Pressure and outline of each body that touches, on a fine grid that moves along with it.
+
+    Call `update` with each reading, or estimate, in turn. Images sharpen as bodies move by parts of
+    the taxels' pitch, and turn; bodies that stay where they are gain from the mean alone.
+
+    Parameters
+    ----------
+    rec : Reconstructor
+        Of the patch: its model, and where contacts are first seen.
+    cell : float, m
+        Side of a cell of the images.
+    readings : int
+        That an image is made of, at most: of more, the last ones, so that what rolls is forgotten.
+    step : float, m
+    turn : float, rad
+        How far a body moves, and turns, from one reading to the next (one standard deviation),
+        where its poses are not given.
+    coast : int
+        Readings for which a body may be unseen before it is forgotten.
+
+    Attributes
+    ----------
+    images : tuple of ContactImage
+        Of the bodies that touched in the last reading, by falling force.
+
+    Examples
+    --------
+    >>> images = skinfield.ContactImages(rec)
+    >>> for stamp_ns, readings in recording:
+    ...     images.update(readings, stamp_ns=stamp_ns)
+    >>> images.images[0].outline
+
+    Notes
+    -----
+    A contact's force is known as one number per reading; a body that changes as it is pressed
+    harder, as a ball does, is shown as it was in the last `readings` on the whole. Of an unknown
+    motion, frames are known up to a small turn and shift that all readings share.
+    """
+
+    def __init__(
+        self,
+        rec: Reconstructor,
+        *,
+        cell: float = 0.8e-3,
+        readings: int = 30,
+        step: float = 0.7e-3,
+        turn: float = 0.06,
+        coast: int = 5,
+    ) -> None:
+        why = "of one patch: images of a whole skin are one ContactImages per patch"
+        check_type("rec", rec, Reconstructor, why)
+        check_range("cell", cell, 0.2e-3, 5e-3, "side of a cell in metres, some 0.4e-3 to 0.8e-3")
+        check_count("readings", readings, 1, 1000, "that an image is made of")
+        check_positive("step", step, "of a body from one reading to the next, in metres")
+        check_positive("turn", turn, "of a body from one reading to the next, in radians")
+        check_count("coast", coast, 0, 1_000_000, "readings for which a body may be unseen")
+        self.rec, self.cell, self.coast = rec, cell, coast
+        self._most, self._motion = readings, (step, turn)
+        self._chart = Chart(rec.grid)
+        self._next = 1
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all bodies; numbers go on, so that none is given twice."""
+        self._bodies: list[_Body] = []
+        self.images: tuple[ContactImage, ...] = ()
+
+    def update(
+        self,
+        readings: ArrayLike | Estimate,
+        *,
+        valid: ArrayLike | None = None,
+        stamp_ns: ArrayLike = 0,
+        poses: ArrayLike | None = None,
+    ) -> tuple[ContactImage, ...]:
+        """Take in one reading, or a run of them.
+
+        Parameters
+        ----------
+        readings : (L,) or (T, L) array, in the quantity's unit; or Estimate
+            As a `Reconstructor` takes them, or what it made of them.
+        valid : (L,) or (T, L) bool array, optional
+            False for taxels to leave out; those of an estimate are its own.
+        stamp_ns : int or (T,) array, ns
+        poses : (3,) or (T, 3) array, optional
+            (x, y, turn) m, m, rad of the body that touches, in the patch's plane, as the robot
+            knows them: of any frame of the body's, from the first reading of it on. All that
+            touches is taken for one body then. Without poses motions are estimated along with the
+            images, of each body by itself.
+
+        Returns
+        -------
+        tuple of ContactImage
+            `images` after the last reading.
+
+        Raises
+        ------
+        InputError
+            For readings, stamps or poses that do not fit each other or the patch; for poses of a
+            body whose motion was estimated before, or none where they were given before.
+        """
+        if isinstance(readings, Estimate):
+            each = list(readings) if readings.is_batch else [readings]
+            table, mask = np.atleast_2d(readings.readings), np.atleast_2d(readings.valid)
+            check_shape("readings", table, (None, len(self.rec.patch)), "an estimate of this patch")
+            stamp_ns = readings.stamp_ns
+        else:
+            if self.rec._readings_from is not None:
+                readings = self.rec._readings_from(as_floats("readings", readings))
+            each = []
+            table, mask = checked_readings(readings, valid, self.rec.patch, self.rec.quantity)
+        stamps = as_stamps("stamp_ns", stamp_ns)
+        if stamps.shape not in ((), (len(table),)):
+            raise InputError(f"stamp_ns has shape {stamps.shape}, expected one, or ({len(table)},)")
+        stamps = np.broadcast_to(stamps, len(table))
+        given = _checked_poses(poses, len(table))
+        for t in range(len(table)):
+            estimate = each[t] if each else None
+            pose = None if given is None else given[t]
+            self._take(table[t], mask[t], int(stamps[t]), pose, estimate)
+        return self.images
+
+    def _take(
+        self, readings: Floats, valid: Any, stamp: int, pose: Floats | None, estimate: Any
+    ) -> None:
+        signal = np.abs(np.where(valid, readings, 0.0)) / self.rec.model.noise_std
+        felt = bool(signal.max() > FELT)
+        if pose is not None:
+            seen = self._at_pose(readings, valid, stamp, pose, estimate) if felt else []
+        else:
+            seen = self._followed(readings, valid, stamp, estimate) if felt else []
+        for body in self._bodies:
+            body.unseen = 0 if body in seen else body.unseen + 1
+            body.stamp = stamp if body in seen else body.stamp
+        self._bodies = [body for body in self._bodies if body.unseen <= self.coast]
+        images = [body.image(self.rec) for body in seen]
+        self.images = tuple(sorted(images, key=lambda image: -image.force))
+
+    def _touches(self, readings: Floats, valid: Any, estimate: Estimate | None) -> list[Touch]:
+        """Contacts of a reading, those that are near to each other as one."""
+        if estimate is None:
+            estimate = self.rec.plans.answer(readings, valid, np.int64(0), 0, None)
+        return touches_of(estimate.contacts, self._chart, GAP * self.rec.patch.pitch)
+
+    def _at_pose(
+        self, readings: Floats, valid: Any, stamp: int, pose: Floats, estimate: Any
+    ) -> list[_Body]:
+        """The one body, at the pose that is given."""
+        if not self._bodies:
+            touches = self._touches(readings, valid, estimate)
+            if not touches:
+                return []
+            self._begin(_joined(touches), pose)
+        body = self._bodies[0]
+        if not body.fit.known:
+            raise InputError(
+                "poses are given of a body whose motion was estimated so far, in another frame: "
+                "give them from its first reading on, or call reset()"
+            )
+        body.fit.update(readings, valid, pose)
+        return [body]
+
+    def _begin(self, touch: Touch, pose: Floats | None) -> _Body:
+        """A body in a frame of its own, or in that of its pose."""
+        radius = float(np.hypot(*(touch.border - touch.centre).T).max())
+        reach = radius + MARGIN * self.rec.patch.pitch
+        side = int(np.clip(np.ceil(2.0 * reach / self.cell), *SIDES))
+        middle = np.zeros(2)
+        if pose is not None:
+            middle = _turned(touch.centre - pose[:2], -pose[2])
+        bends = BENDS * self._motion[0], BENDS * self._motion[1]
+        fit = ImageFit(
+            self.rec.model, middle, side, self.cell, self._most, self._motion, bends,
+            known=pose is not None,
+        )  # fmt: skip
+        body = _Body(fit, self._next, touch.centre)
+        self._next += 1
+        self._bodies.append(body)
+        return body
+
+    def _followed(self, readings: Floats, valid: Any, stamp: int, estimate: Any) -> list[_Body]:
+        """All bodies that touch, with the poses that explain the reading best."""
+        if any(body.fit.known for body in self._bodies):
+            raise InputError(
+                "poses is None, expected those of the body whose poses were given before: go on "
+                "giving them, or call reset()"
+            )
+        touches = self._touches(readings, valid, estimate)
+        owners = _owners([body.place() for body in self._bodies], touches, self.rec.patch.pitch)
+        seen = [body for at, body in enumerate(self._bodies) if at in owners]
+        expected = {id(body): body.fit.predicted() for body in seen}
+        for body in seen:
+            mine = [touch for touch, at in zip(touches, owners, strict=True)
+                    if at >= 0 and self._bodies[at] is body]  # fmt: skip
+            centre = _mean(mine)
+            others = sum((part for key, part in expected.items() if key != id(body)), 0.0)
+            body.fit.update(readings - others, valid, None, centre - body.centre)
+            body.centre = centre
+            expected[id(body)] = body.fit.predicted()
+        rest = readings - sum(expected.values(), np.zeros(len(readings)))
+        new = [touch for touch, at in zip(touches, owners, strict=True) if at < 0]
+        nearest = _nearest(touches, self.rec.patch.plane)
+        for touch in new:
+            body = self._begin(touch, None)
+            own = valid & (nearest == next(i for i, each in enumerate(touches) if each is touch))
+            if own.any():
+                body.fit.update(rest, own, np.array([*touch.centre, 0.0]))
+                seen.append(body)
+            else:
+                self._bodies.remove(body)
+        return seen
+
+
+def touches_of(contacts: Sequence[Contact], chart: Chart, gap: float) -> list[Touch]:
+    """Contacts joined where their borders are within `gap` m of each other, by falling force."""
+    borders = [chart.plane_from_position(np.asarray(each.outline)) for each in contacts]
+    group = list(range(len(contacts)))
+    for one in range(len(contacts)):
+        for other in range(one):
+            apart = borders[one][:, None] - borders[other][None]
+            if np.hypot(apart[..., 0], apart[..., 1]).min() < gap:
+                old, new = group[one], group[other]
+                group = [new if each == old else each for each in group]
+    found = []
+    for key in dict.fromkeys(group):
+        members = [index for index, each in enumerate(group) if each == key]
+        forces = np.array([max(contacts[index].normal_force, 1e-9) for index in members])
+        places = chart.plane_from_position(np.array([contacts[i].position for i in members]))
+        border = np.concatenate([borders[index] for index in members])
+        found.append(Touch(forces @ places / forces.sum(), border, float(forces.sum())))
+    return sorted(found, key=lambda touch: -touch.force)
+
+
+def _joined(touches: list[Touch]) -> Touch:
+    """All of them as one."""
+    border = np.concatenate([touch.border for touch in touches])
+    return Touch(_mean(touches), border, sum(touch.force for touch in touches))
+
+
+def _owners(places: list[Floats], touches: list[Touch], pitch: float) -> list[int]:
+    """Body of each touch: the nearest one within reach of its border; -1 for none."""
+    owners = []
+    for touch in touches:
+        reach = float(np.hypot(*(touch.border - touch.centre).T).max()) + pitch
+        away = [float(np.hypot(*(place - touch.centre))) for place in places]
+        best = int(np.argmin(away)) if away else -1
+        owners.append(best if away and away[best] < reach else -1)
+    return owners
+
+
+def _mean(touches: list[Touch]) -> Floats:
+    forces = np.array([touch.force for touch in touches])
+    return np.asarray(forces @ np.array([touch.centre for touch in touches]) / forces.sum())
+
+
+def _nearest(touches: list[Touch], taxels: Floats) -> Any:
+    """Which touch each taxel is nearest to, (L,)."""
+    away = [
+        np.hypot(*np.moveaxis(taxels[:, None] - touch.border[None], -1, 0)).min(axis=1)
+        for touch in touches
+    ]
+    return np.argmin(away, axis=0)
+
+
+def _turned(place: Floats, angle: float) -> Floats:
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.array([cos * place[0] - sin * place[1], sin * place[0] + cos * place[1]])
+
+
+def _checked_poses(poses: ArrayLike | None, count: int) -> Floats | None:
+    if poses is None:
+        return None
+    why = "(x, y, turn) of the body in m, m and rad for each reading"
+    table = np.atleast_2d(as_floats("poses", poses))
+    check_shape("poses", table, (count, 3), why)
+    check_finite("poses", table, why)
+    return table
