@@ -11,7 +11,6 @@ cells (a concave penalty on the pressure, which holds the force, too) with short
 variation; Rudin, Osher and Fatemi, Physica D 60, 1992).
 """
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -29,25 +28,23 @@ from skinfield.errors import (
     check_shape,
     check_type,
 )
-from skinfield.estimate import Contact, Estimate
+from skinfield.estimate import Estimate
 from skinfield.estimate.contact_image import ContactImage
-from skinfield.estimate.developed_plane import Chart
 from skinfield.reconstruct.contact_image_fit import ImageFit
 from skinfield.reconstruct.reconstructor import Reconstructor, checked_readings
 
-GAP = 1.5  # pitches of the taxels: contacts that are nearer to each other are of one body
-MARGIN = 0.7  # pitches around what is felt first, in which the body may be as well
-SIDES = 12, 56  # cells along the side of an image
+MARGIN = 0.5  # pitches around the taxels that feel a body first
+SMALLEST = 2.2  # pitches from the middle of an image to its border, at least
+SIDES = 8, 64  # cells along the side of an image
 FELT = 5.0  # times its noise: a reading of a body
 BENDS = 1.7  # times its step, that a motion's steps differ from one another
 
 
 class Touch(NamedTuple):
-    """Contacts of one reading that are of one body: centre (2,) m, border (N, 2) m, force N."""
+    """Taxels (N, 2) m that feel one body, and the centre (2,) m of what they read."""
 
     centre: Floats
-    border: Floats
-    force: float
+    taxels: Floats
 
 
 class _Body:
@@ -98,6 +95,8 @@ class ContactImages:
     turn : float, rad
         How far a body moves, and turns, from one reading to the next (one standard deviation),
         where its poses are not given.
+    near : float, m
+        Taxels that are nearer to each other and feel something feel the same body.
     coast : int
         Readings for which a body may be unseen before it is forgotten.
 
@@ -128,6 +127,7 @@ class ContactImages:
         readings: int = 30,
         step: float = 0.7e-3,
         turn: float = 0.06,
+        near: float = 12e-3,
         coast: int = 5,
     ) -> None:
         why = "of one patch: images of a whole skin are one ContactImages per patch"
@@ -136,10 +136,10 @@ class ContactImages:
         check_count("readings", readings, 1, 1000, "that an image is made of")
         check_positive("step", step, "of a body from one reading to the next, in metres")
         check_positive("turn", turn, "of a body from one reading to the next, in radians")
+        check_positive("near", near, "distance of taxels that feel one body, in metres")
         check_count("coast", coast, 0, 1_000_000, "readings for which a body may be unseen")
-        self.rec, self.cell, self.coast = rec, cell, coast
+        self.rec, self.cell, self.near, self.coast = rec, cell, near, coast
         self._most, self._motion = readings, (step, turn)
-        self._chart = Chart(rec.grid)
         self._next = 1
         self.reset()
 
@@ -183,14 +183,12 @@ class ContactImages:
             body whose motion was estimated before, or none where they were given before.
         """
         if isinstance(readings, Estimate):
-            each = list(readings) if readings.is_batch else [readings]
             table, mask = np.atleast_2d(readings.readings), np.atleast_2d(readings.valid)
             check_shape("readings", table, (None, len(self.rec.patch)), "an estimate of this patch")
             stamp_ns = readings.stamp_ns
         else:
             if self.rec._readings_from is not None:
                 readings = self.rec._readings_from(as_floats("readings", readings))
-            each = []
             table, mask = checked_readings(readings, valid, self.rec.patch, self.rec.quantity)
         stamps = as_stamps("stamp_ns", stamp_ns)
         if stamps.shape not in ((), (len(table),)):
@@ -198,20 +196,18 @@ class ContactImages:
         stamps = np.broadcast_to(stamps, len(table))
         given = _checked_poses(poses, len(table))
         for t in range(len(table)):
-            estimate = each[t] if each else None
-            pose = None if given is None else given[t]
-            self._take(table[t], mask[t], int(stamps[t]), pose, estimate)
+            self._take(table[t], mask[t], int(stamps[t]), None if given is None else given[t])
         return self.images
 
-    def _take(
-        self, readings: Floats, valid: Any, stamp: int, pose: Floats | None, estimate: Any
-    ) -> None:
-        signal = np.abs(np.where(valid, readings, 0.0)) / self.rec.model.noise_std
-        felt = bool(signal.max() > FELT)
-        if pose is not None:
-            seen = self._at_pose(readings, valid, stamp, pose, estimate) if felt else []
-        else:
-            seen = self._followed(readings, valid, stamp, estimate) if felt else []
+    def _take(self, readings: Floats, valid: Any, stamp: int, pose: Floats | None) -> None:
+        noise, taxels = self.rec.model.noise_std, self.rec.model.taxels
+        heard = np.where(valid, readings, np.nan)
+        touches = touches_of(heard, noise, taxels, max(self.near, 1.1 * self.rec.patch.pitch))
+        seen = []
+        if touches and pose is not None:
+            seen = [self._at_pose(readings, valid, pose, touches)]
+        elif touches:
+            seen = self._followed(readings, valid, touches)
         for body in self._bodies:
             body.unseen = 0 if body in seen else body.unseen + 1
             body.stamp = stamp if body in seen else body.stamp
@@ -219,20 +215,9 @@ class ContactImages:
         images = [body.image(self.rec) for body in seen]
         self.images = tuple(sorted(images, key=lambda image: -image.force))
 
-    def _touches(self, readings: Floats, valid: Any, estimate: Estimate | None) -> list[Touch]:
-        """Contacts of a reading, those that are near to each other as one."""
-        if estimate is None:
-            estimate = self.rec.plans.answer(readings, valid, np.int64(0), 0, None)
-        return touches_of(estimate.contacts, self._chart, GAP * self.rec.patch.pitch)
-
-    def _at_pose(
-        self, readings: Floats, valid: Any, stamp: int, pose: Floats, estimate: Any
-    ) -> list[_Body]:
+    def _at_pose(self, readings: Floats, valid: Any, pose: Floats, touches: list[Touch]) -> _Body:
         """The one body, at the pose that is given."""
         if not self._bodies:
-            touches = self._touches(readings, valid, estimate)
-            if not touches:
-                return []
             self._begin(_joined(touches), pose)
         body = self._bodies[0]
         if not body.fit.known:
@@ -241,12 +226,12 @@ class ContactImages:
                 "give them from its first reading on, or call reset()"
             )
         body.fit.update(readings, valid, pose)
-        return [body]
+        return body
 
     def _begin(self, touch: Touch, pose: Floats | None) -> _Body:
         """A body in a frame of its own, or in that of its pose."""
-        radius = float(np.hypot(*(touch.border - touch.centre).T).max())
-        reach = radius + MARGIN * self.rec.patch.pitch
+        radius = float(np.hypot(*(touch.taxels - touch.centre).T).max())
+        reach = max(radius + MARGIN * self.rec.patch.pitch, SMALLEST * self.rec.patch.pitch)
         side = int(np.clip(np.ceil(2.0 * reach / self.cell), *SIDES))
         middle = np.zeros(2)
         if pose is not None:
@@ -261,21 +246,20 @@ class ContactImages:
         self._bodies.append(body)
         return body
 
-    def _followed(self, readings: Floats, valid: Any, stamp: int, estimate: Any) -> list[_Body]:
+    def _followed(self, readings: Floats, valid: Any, touches: list[Touch]) -> list[_Body]:
         """All bodies that touch, with the poses that explain the reading best."""
         if any(body.fit.known for body in self._bodies):
             raise InputError(
                 "poses is None, expected those of the body whose poses were given before: go on "
                 "giving them, or call reset()"
             )
-        touches = self._touches(readings, valid, estimate)
-        owners = _owners([body.place() for body in self._bodies], touches, self.rec.patch.pitch)
+        owners = _owners(self._bodies, touches, self.rec.patch.pitch)
         seen = [body for at, body in enumerate(self._bodies) if at in owners]
         expected = {id(body): body.fit.predicted() for body in seen}
         for body in seen:
             mine = [touch for touch, at in zip(touches, owners, strict=True)
                     if at >= 0 and self._bodies[at] is body]  # fmt: skip
-            centre = _mean(mine)
+            centre = _joined(mine).centre
             others = sum((part for key, part in expected.items() if key != id(body)), 0.0)
             body.fit.update(readings - others, valid, None, centre - body.centre)
             body.centre = centre
@@ -294,52 +278,55 @@ class ContactImages:
         return seen
 
 
-def touches_of(contacts: Sequence[Contact], chart: Chart, gap: float) -> list[Touch]:
-    """Contacts joined where their borders are within `gap` m of each other, by falling force."""
-    borders = [chart.plane_from_position(np.asarray(each.outline)) for each in contacts]
-    group = list(range(len(contacts)))
-    for one in range(len(contacts)):
-        for other in range(one):
-            apart = borders[one][:, None] - borders[other][None]
-            if np.hypot(apart[..., 0], apart[..., 1]).min() < gap:
-                old, new = group[one], group[other]
-                group = [new if each == old else each for each in group]
+def touches_of(readings: Floats, noise: Floats, taxels: Floats, gap: float) -> list[Touch]:
+    """Groups of taxels that feel a body, or how the skin bulges beside it, by falling reading.
+
+    Parameters
+    ----------
+    readings, noise : (L,) arrays
+        NaN where a taxel did not answer.
+    taxels : (L, 2) array, m
+    gap : float, m
+        Taxels that are nearer to each other are of one group if both feel something.
+    """
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial.distance import cdist
+
+    felt = np.flatnonzero(np.abs(np.nan_to_num(readings)) > FELT * noise)
+    near = cdist(taxels[felt], taxels[felt]) < gap
+    count, group = connected_components(near, directed=False)
     found = []
-    for key in dict.fromkeys(group):
-        members = [index for index, each in enumerate(group) if each == key]
-        forces = np.array([max(contacts[index].normal_force, 1e-9) for index in members])
-        places = chart.plane_from_position(np.array([contacts[i].position for i in members]))
-        border = np.concatenate([borders[index] for index in members])
-        found.append(Touch(forces @ places / forces.sum(), border, float(forces.sum())))
-    return sorted(found, key=lambda touch: -touch.force)
+    for each in range(count):
+        part = felt[group == each]
+        weight = np.maximum(readings[part], 0.0)
+        if (weight > FELT * noise[part]).any():  # else it is the bulge beside something
+            centre = weight @ taxels[part] / weight.sum()
+            found.append((float(weight.max()), Touch(centre, taxels[part])))
+    return [touch for _, touch in sorted(found, key=lambda pair: -pair[0])]
 
 
 def _joined(touches: list[Touch]) -> Touch:
     """All of them as one."""
-    border = np.concatenate([touch.border for touch in touches])
-    return Touch(_mean(touches), border, sum(touch.force for touch in touches))
+    counts = np.array([len(touch.taxels) for touch in touches])
+    centre = counts @ np.array([touch.centre for touch in touches]) / counts.sum()
+    return Touch(centre, np.concatenate([touch.taxels for touch in touches]))
 
 
-def _owners(places: list[Floats], touches: list[Touch], pitch: float) -> list[int]:
-    """Body of each touch: the nearest one within reach of its border; -1 for none."""
-    owners = []
+def _owners(bodies: list[_Body], touches: list[Touch], pitch: float) -> list[int]:
+    """Body that each touch is of: the nearest one whose image it may be in; -1 for none."""
+    owners, places = [], [body.place() for body in bodies]
+    reach = [0.4 * body.fit.side * body.fit.cell + 0.5 * pitch for body in bodies]
     for touch in touches:
-        reach = float(np.hypot(*(touch.border - touch.centre).T).max()) + pitch
         away = [float(np.hypot(*(place - touch.centre))) for place in places]
-        best = int(np.argmin(away)) if away else -1
-        owners.append(best if away and away[best] < reach else -1)
+        near = [index for index, far in enumerate(away) if far < reach[index]]
+        owners.append(min(near, key=away.__getitem__, default=-1))
     return owners
-
-
-def _mean(touches: list[Touch]) -> Floats:
-    forces = np.array([touch.force for touch in touches])
-    return np.asarray(forces @ np.array([touch.centre for touch in touches]) / forces.sum())
 
 
 def _nearest(touches: list[Touch], taxels: Floats) -> Any:
     """Which touch each taxel is nearest to, (L,)."""
     away = [
-        np.hypot(*np.moveaxis(taxels[:, None] - touch.border[None], -1, 0)).min(axis=1)
+        np.hypot(*np.moveaxis(taxels[:, None] - touch.taxels[None], -1, 0)).min(axis=1)
         for touch in touches
     ]
     return np.argmin(away, axis=0)
