@@ -32,12 +32,12 @@ FIRST_EDGES = 0.3  # and once
 STROKE = 16e-6  # m²: pressed evenly by 1, the unit of pressure, it gives the highest reading
 MODEL_ERROR = 0.01  # of the highest reading, beside the noise
 DEEPEST = 0.4  # strain of which the series is taken at most
-FORCE = 0.2  # of one reading's force about that of the others
+FORCE = 0.1  # of one reading's force about that before
 FIRST_SWEEPS, SWEEPS, STEPS, VISITS = 100, 6, 2, 3
 WHOLE = 4  # readings, of which one looks at all cells
 ONWARDS = 0.7  # of its last step, that a body is expected to go on
 LOST = 3.0  # misfit of a pose that is another one
-EARLY = 8  # a body of fewer readings is fitted so many times as there are fewer
+EARLY = 16  # a body of fewer readings is fitted so many times as there are fewer
 
 
 def cell_readings(model: ObservationModel, cell: float) -> Floats:
@@ -340,7 +340,7 @@ class ImageFit:
                     other = farthest(batch, self.kept)
                 visit(self._lattice, batch, other, self.count, prior, 0)
             self._sweep(prior, SWEEPS)
-            follow(batch, self.kept)
+            follow(batch, self.count, prior, 1 if self.known else 4)
 
     def _add_charge(self) -> None:
         self._batch.fields[0] = self._batch.pressure

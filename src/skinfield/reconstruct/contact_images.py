@@ -37,7 +37,7 @@ MARGIN = 0.5  # pitches around the taxels that feel a body first
 SMALLEST = 2.2  # pitches from the middle of an image to its border, at least
 SIDES = 8, 64  # cells along the side of an image
 FELT = 5.0  # times its noise: a reading of a body
-BENDS = 1.7  # times its step, that a motion's steps differ from one another
+BENDS = 0.5  # times its step, that a motion's steps differ from one another
 
 
 class Touch(NamedTuple):

@@ -106,7 +106,7 @@ class Prior(NamedTuple):
     step, bend : (3,) arrays, m, m, rad
         Of one reading's pose about that before, and about where their motion goes on to.
     force : float
-        Of one reading's scale about the mean of the others.
+        Of one reading's scale about that before.
     """
 
     total: float
@@ -207,30 +207,15 @@ def _add(table: Singles, step: float, x: float, y: float, held: Singles, sums: S
 
 @inner
 def _expected(batch: Batch, t: int, count: int, prior: Prior, pose: Floats, spread: Floats) -> None:
-    """Pose of a reading by those before and after it, and its spread; 0 of one that is known."""
-    size, newest = len(batch.raw), (count - 1) % len(batch.raw)
-    spread[:] = 0.0
+    """Pose of a reading without itself, and how well that is known; 0: it is given."""
+    size = len(batch.raw)
+    before, earlier = (t - 1) % size, (t - 2) % size
     for k in range(3):
         pose[k] = batch.poses[t, k] + batch.moved[t, k]
-    if batch.known[t]:
-        return
-    full = count > size
-    before, after, oldest = (t - 1) % size, (t + 1) % size, (newest + 1) % size if full else 0
-    earlier = (t - 2) % size
-    for k in range(3):
-        if t == oldest:
-            spread[k] = 2.0 * prior.step[k]
-        elif t != newest:
-            sum_ = batch.poses[before, k] + batch.moved[before, k]
-            sum_ += batch.poses[after, k] + batch.moved[after, k]
-            pose[k], spread[k] = 0.5 * sum_, 0.4 * prior.bend[k]
-        elif before == oldest:
-            pose[k] = batch.poses[before, k] + batch.moved[before, k]
-            spread[k] = prior.step[k]
-        else:
+        spread[k] = 0.0 if batch.known[t] else prior.step[k]
+        if t == (count - 1) % size and not batch.known[t] and count > 2:
             last = batch.poses[before, k] + batch.moved[before, k]
             pose[k] = 2.0 * last - batch.poses[earlier, k] - batch.moved[earlier, k]
-            spread[k] = prior.bend[k]
 
 
 @njit
@@ -347,13 +332,11 @@ def visit(lattice: Lattice, batch: Batch, t: int, count: int, prior: Prior, step
     """Make a reading linear where its pose and scale have come to; its misfit."""
     centre, spread = np.empty(3), np.empty(3)
     _expected(batch, t, count, prior, centre, spread)
-    kept = min(count, len(batch.raw))
-    white, others = batch.white[t], 0.0
-    for i in range(kept):
-        others += (batch.scales[i] + batch.grown[i]) * (i != t) / max(kept - 1, 1)
+    white, first = batch.white[t], count == 1
     batch.poses[t] += batch.moved[t]
     batch.scales[t] += batch.grown[t]
     batch.moved[t], batch.grown[t] = 0.0, 0.0
+    expected = batch.scales[t]
     rest, along = np.empty(len(white)), np.empty((4, len(white)))
     batch.scales[t], misfit = settle(
         lattice, batch.fields, white, batch.raw[t], batch.poses[t], batch.scales[t], centre,
@@ -361,8 +344,8 @@ def visit(lattice: Lattice, batch: Batch, t: int, count: int, prior: Prior, step
     )  # fmt: skip
     fill(lattice, batch.poses[t], white, batch.rows[:, t])
     scale, size = batch.scales[t], 4 if spread[0] > 0.0 else 1
-    batch.spread[t, 0] = prior.force * others if kept > 1 else 0.0
-    batch.offset[t, 0] = (others - scale) / batch.spread[t, 0] if kept > 1 else 0.0
+    batch.spread[t, 0] = 1e-6 if first else prior.force * expected
+    batch.offset[t, 0] = 0.0 if first else (expected - scale) / batch.spread[t, 0]
     along[0] *= batch.spread[t, 0] / scale
     for k in range(1, size):
         batch.spread[t, k] = spread[k - 1]
@@ -373,28 +356,77 @@ def visit(lattice: Lattice, batch: Batch, t: int, count: int, prior: Prior, step
 
 
 @njit
-def follow(batch: Batch, kept: int) -> None:
-    """How far scale and pose of each reading come by the pressure as it is now."""
-    for t in range(kept):
-        size = 1 if batch.known[t] else 4
-        rest = batch.rest[t].astype(np.float64)
-        for i in range(size):
-            basis = batch.basis[t, i].astype(np.float64)
-            shrink = float(batch.shrink[t, i])
-            rest += (shrink / (1.0 - shrink) * (basis @ rest)) * basis
-        along = np.ascontiguousarray(batch.along[t, :size])
-        normal = along @ along.T
-        for i in range(size):
-            normal[i, i] += 1.0
-        change = batch.offset[t, :size] - np.linalg.solve(normal, along @ rest)
-        far = 1.0
+def follow(batch: Batch, count: int, prior: Prior, size: int) -> None:
+    """How far scales and poses come by the pressure as it is now, all of them as one motion.
+
+    With `size` 1 poses are given, and scales alone are sought.
+    """
+    kept = min(count, len(batch.raw))
+    normal, right = np.zeros((kept * size, kept * size)), np.zeros(kept * size)
+    slots = np.arange(count - kept, count) % len(batch.raw)
+    for i in range(kept):
+        _tell(batch, slots[i], size, i, normal, right)
+        for k in range(size):
+            _join(batch, slots, i, k, size, prior, normal, right)
+    change = np.linalg.solve(normal, right).reshape(kept, size)
+    for i in range(kept):
+        t, far = slots[i], 1.0
         for k in range(1, size):
-            change[k] *= batch.spread[t, k]
-            far = max(far, abs(change[k]) / (WIDEST if k == 3 else FARTHEST))
+            far = max(far, abs(change[i, k]) / (WIDEST if k == 3 else FARTHEST))
         for k in range(1, size):
-            batch.moved[t, k - 1] = change[k] / far
-        grown, most = change[0] * batch.spread[t, 0], 0.3 * batch.scales[t]
-        batch.grown[t] = min(max(grown, -most), most)
+            batch.moved[t, k - 1] = change[i, k] / far
+        most = 0.3 * batch.scales[t]
+        batch.grown[t] = min(max(change[i, 0], -most), most)
+
+
+@inner
+def _tell(batch: Batch, t: int, size: int, i: int, normal: Floats, right: Floats) -> None:
+    """Add what a reading itself tells about its scale and pose."""
+    held = 1 if batch.known[t] else size
+    rest = batch.rest[t].astype(np.float64)
+    for k in range(held):
+        basis = batch.basis[t, k].astype(np.float64)
+        shrink = float(batch.shrink[t, k])
+        rest += (shrink / (1.0 - shrink) * (basis @ rest)) * basis
+    for k in range(held):
+        rest -= batch.offset[t, k] * batch.along[t, k]
+    for k in range(held):
+        a = i * size + k
+        right[a] -= (batch.along[t, k] @ rest) / batch.spread[t, k]
+        for m in range(held):
+            shared = batch.along[t, k] @ batch.along[t, m]
+            normal[a, i * size + m] += shared / (batch.spread[t, k] * batch.spread[t, m])
+    for k in range(held, size):
+        normal[i * size + k, i * size + k] += 1.0
+
+
+@inner
+def _join(
+    batch: Batch, slots: NDArray[np.int64], i: int, k: int, size: int, prior: Prior,
+    normal: Floats, right: Floats,
+) -> None:  # fmt: skip
+    """Add how far a scale, or a coordinate of a pose, may be from those before."""
+    terms, factor = 2, np.array([1.0, -1.0, 0.0])
+    spread = prior.force if k == 0 else prior.step[k - 1]
+    if i == 0:
+        terms = 1
+    elif k > 0 and i > 1:
+        terms, factor, spread = 3, np.array([1.0, -2.0, 1.0]), prior.bend[k - 1]
+    away = 0.0
+    for m in range(terms):
+        t = slots[i - m]
+        away += factor[m] * (batch.scales[t] if k == 0 else batch.poses[t, k - 1])
+    if i == 0:
+        away = batch.scales[slots[0]] - 1.0 if k == 0 else 0.0
+    for m in range(terms):
+        a = (i - m) * size + k
+        fixed = k > 0 and batch.known[slots[i - m]]
+        if fixed:
+            continue
+        right[a] -= factor[m] * away / spread**2
+        for n in range(terms):
+            if not (k > 0 and batch.known[slots[i - n]]):
+                normal[a, (i - n) * size + k] += factor[m] * factor[n] / spread**2
 
 
 @njit
