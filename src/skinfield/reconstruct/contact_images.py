@@ -33,9 +33,10 @@ from skinfield.estimate.contact_image import ContactImage
 from skinfield.reconstruct.contact_image_fit import ImageFit
 from skinfield.reconstruct.reconstructor import Reconstructor, checked_readings
 
-MARGIN = 0.5  # pitches around the taxels that feel a body first
 SMALLEST = 2.2  # pitches from the middle of an image to its border, at least
 SIDES = 8, 64  # cells along the side of an image
+LOST, AGAIN = 4.0, 3  # misfit of a body that is another one, if so often in a row
+UNEXPLAINED = 0.15  # of the highest reading: what bodies leave more of is a further one
 FELT = 5.0  # times its noise: a reading of a body
 BENDS = 0.5  # times its step, that a motion's steps differ from one another
 
@@ -52,7 +53,7 @@ class _Body:
 
     def __init__(self, fit: ImageFit, number: int, centre: Floats) -> None:
         self.fit, self.number, self.centre = fit, number, centre
-        self.unseen, self.stamp = 0, 0
+        self.unseen, self.lost, self.stamp = 0, 0, 0
 
     def image(self, rec: Reconstructor) -> ContactImage:
         fit = self.fit
@@ -68,6 +69,11 @@ class _Body:
             stamp_ns=self.stamp,
             deviation=lambda: fit.deviation(at),
         )
+
+    @property
+    def reach(self) -> float:
+        """From its centre to where it may be, m."""
+        return 0.5 * self.fit.side * self.fit.cell
 
     def place(self) -> Floats:
         """Centre of its pressure in the plane, (2,) m."""
@@ -200,14 +206,16 @@ class ContactImages:
         return self.images
 
     def _take(self, readings: Floats, valid: Any, stamp: int, pose: Floats | None) -> None:
-        noise, taxels = self.rec.model.noise_std, self.rec.model.taxels
-        heard = np.where(valid, readings, np.nan)
-        touches = touches_of(heard, noise, taxels, max(self.near, 1.1 * self.rec.patch.pitch))
-        seen = []
-        if touches and pose is not None:
-            seen = [self._at_pose(readings, valid, pose, touches)]
-        elif touches:
-            seen = self._followed(readings, valid, touches)
+        seen: list[_Body] = []
+        if pose is not None:
+            seen = self._at_pose(readings, valid, pose)
+        elif any(body.fit.known for body in self._bodies):
+            raise InputError(
+                "poses is None, expected those of the body whose poses were given before: go on "
+                "giving them, or call reset()"
+            )
+        elif self._is_felt(readings, valid):
+            seen = self._followed(readings, valid)
         for body in self._bodies:
             body.unseen = 0 if body in seen else body.unseen + 1
             body.stamp = stamp if body in seen else body.stamp
@@ -215,9 +223,26 @@ class ContactImages:
         images = [body.image(self.rec) for body in seen]
         self.images = tuple(sorted(images, key=lambda image: -image.force))
 
-    def _at_pose(self, readings: Floats, valid: Any, pose: Floats, touches: list[Touch]) -> _Body:
+    def _is_felt(self, readings: Floats, valid: Any) -> bool:
+        """Whether the readings are more than their noise, by the sum of their squares."""
+        squares = np.square(readings[valid] / self.rec.model.noise_std[valid])
+        count = len(squares)
+        return bool(squares.sum() > count + FELT * np.sqrt(2.0 * count))
+
+    def _touches(self, readings: Floats, valid: Any, beside: float = 0.0) -> list[Touch]:
+        """Groups of taxels that feel something beyond noise, and beyond an error `beside`."""
+        noise, taxels = np.hypot(self.rec.model.noise_std, beside), self.rec.model.taxels
+        gap = max(self.near, 1.1 * self.rec.patch.pitch)
+        return touches_of(np.where(valid, readings, np.nan), noise, taxels, gap)
+
+    def _at_pose(self, readings: Floats, valid: Any, pose: Floats) -> list[_Body]:
         """The one body, at the pose that is given."""
+        if not self._is_felt(readings, valid):
+            return []
         if not self._bodies:
+            touches = self._touches(readings, valid)
+            if not touches:
+                return []
             self._begin(_joined(touches), pose)
         body = self._bodies[0]
         if not body.fit.known:
@@ -226,12 +251,12 @@ class ContactImages:
                 "give them from its first reading on, or call reset()"
             )
         body.fit.update(readings, valid, pose)
-        return body
+        return [body]
 
     def _begin(self, touch: Touch, pose: Floats | None) -> _Body:
         """A body in a frame of its own, or in that of its pose."""
         radius = float(np.hypot(*(touch.taxels - touch.centre).T).max())
-        reach = max(radius + MARGIN * self.rec.patch.pitch, SMALLEST * self.rec.patch.pitch)
+        reach = max(radius, SMALLEST * self.rec.patch.pitch)
         side = int(np.clip(np.ceil(2.0 * reach / self.cell), *SIDES))
         middle = np.zeros(2)
         if pose is not None:
@@ -246,36 +271,47 @@ class ContactImages:
         self._bodies.append(body)
         return body
 
-    def _followed(self, readings: Floats, valid: Any, touches: list[Touch]) -> list[_Body]:
+    def _followed(self, readings: Floats, valid: Any) -> list[_Body]:
         """All bodies that touch, with the poses that explain the reading best."""
-        if any(body.fit.known for body in self._bodies):
-            raise InputError(
-                "poses is None, expected those of the body whose poses were given before: go on "
-                "giving them, or call reset()"
+        seen, rest = [], np.array(readings)
+        expected = [body.fit.predicted() for body in self._bodies]
+        for index, body in enumerate(self._bodies):
+            others = sum(
+                (part for k, part in enumerate(expected) if k != index), np.zeros(len(rest))
             )
-        owners = _owners(self._bodies, touches, self.rec.patch.pitch)
-        seen = [body for at, body in enumerate(self._bodies) if at in owners]
-        expected = {id(body): body.fit.predicted() for body in seen}
-        for body in seen:
-            mine = [touch for touch, at in zip(touches, owners, strict=True)
-                    if at >= 0 and self._bodies[at] is body]  # fmt: skip
-            centre = _joined(mine).centre
-            others = sum((part for key, part in expected.items() if key != id(body)), 0.0)
-            body.fit.update(readings - others, valid, None, centre - body.centre)
+            own = readings - others
+            if not self._is_felt(own, valid):
+                expected[index] = np.zeros(len(rest))
+                continue
+            centre = self._centre(own, valid, body)
+            body.fit.update(own, valid, None, centre - body.centre)
             body.centre = centre
-            expected[id(body)] = body.fit.predicted()
-        rest = readings - sum(expected.values(), np.zeros(len(readings)))
-        new = [touch for touch, at in zip(touches, owners, strict=True) if at < 0]
-        nearest = _nearest(touches, self.rec.patch.plane)
-        for touch in new:
+            body.lost = body.lost + 1 if body.fit.misfit > LOST else 0
+            expected[index] = body.fit.predicted()
+            seen.append(body)
+        gone = [body for body in self._bodies if body.lost >= AGAIN]
+        for body in gone:  # what touches is no longer what it was: begin anew
+            expected[self._bodies.index(body)][:] = 0.0
+        self._bodies = [body for body in self._bodies if body not in gone]
+        seen = [body for body in seen if body not in gone]
+        rest = readings - sum(expected, np.zeros(len(rest)))
+        beside = UNEXPLAINED * float(np.abs(readings[valid]).max()) if seen else 0.0
+        touches = self._touches(rest, valid, beside / FELT)
+        nearest = _nearest(touches, self.rec.patch.plane) if len(touches) else None
+        for index, touch in enumerate(touches):
+            if any(np.hypot(*(touch.centre - body.place())) < body.reach for body in seen):
+                continue
             body = self._begin(touch, None)
-            own = valid & (nearest == next(i for i, each in enumerate(touches) if each is touch))
-            if own.any():
-                body.fit.update(rest, own, np.array([*touch.centre, 0.0]))
-                seen.append(body)
-            else:
-                self._bodies.remove(body)
+            body.fit.update(rest, valid & (nearest == index), np.array([*touch.centre, 0.0]))
+            seen.append(body)
         return seen
+
+    def _centre(self, readings: Floats, valid: Any, body: _Body) -> Floats:
+        """Of what the taxels around a body read."""
+        taxels = self.rec.model.taxels
+        near = valid & (np.hypot(*(taxels - body.place()).T) < body.reach)
+        weight = np.where(near, np.maximum(readings, 0.0), 0.0)
+        return np.asarray(weight @ taxels / weight.sum()) if weight.sum() > 0.0 else body.centre
 
 
 def touches_of(readings: Floats, noise: Floats, taxels: Floats, gap: float) -> list[Touch]:
@@ -310,17 +346,6 @@ def _joined(touches: list[Touch]) -> Touch:
     counts = np.array([len(touch.taxels) for touch in touches])
     centre = counts @ np.array([touch.centre for touch in touches]) / counts.sum()
     return Touch(centre, np.concatenate([touch.taxels for touch in touches]))
-
-
-def _owners(bodies: list[_Body], touches: list[Touch], pitch: float) -> list[int]:
-    """Body that each touch is of: the nearest one whose image it may be in; -1 for none."""
-    owners, places = [], [body.place() for body in bodies]
-    reach = [0.4 * body.fit.side * body.fit.cell + 0.5 * pitch for body in bodies]
-    for touch in touches:
-        away = [float(np.hypot(*(place - touch.centre))) for place in places]
-        near = [index for index, far in enumerate(away) if far < reach[index]]
-        owners.append(min(near, key=away.__getitem__, default=-1))
-    return owners
 
 
 def _nearest(touches: list[Touch], taxels: Floats) -> Any:
