@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from skinfield.elastic import Capacitance, ObservationModel
+from skinfield.elastic import Capacitance, ObservationModel, Physics
 from skinfield.elastic.hankel import RadialKernel, electrostatic, jinc
-from skinfield.elastic.lattice import LatticeConvolution, lattice, mirrored
+from skinfield.elastic.lattice import LatticeConvolution, cached_indentation_kernel
 from skinfield.errors import Floats
 from skinfield.reconstruct.contact_images_kernel import (
     Batch,
@@ -24,6 +24,7 @@ from skinfield.reconstruct.contact_images_kernel import (
 from skinfield.skin import Grid, Patch
 
 STEP = 0.02e-3  # m, between the distances of a table
+FAR = 0.02  # m beyond the taxels, up to which a cell may be
 FAINT = 2e-3  # of a taxel's highest response: it sees no cell that is farther
 FIELD_REACH = 6.0  # thicknesses beyond a pad's rim, where its field has ended
 CELL = 0.8e-3  # m: of the weights below
@@ -36,26 +37,82 @@ FORCE = 0.05  # of one reading's force about that before
 FIRST_SWEEPS, SWEEPS, STEPS, VISITS = 100, 6, 2, 3
 WHOLE = 4  # readings, of which one looks at all cells
 ONWARDS = 0.7  # of its last step, that a body is expected to go on
-LOST = 3.0  # misfit of a pose that is another one
+LOST = 2.0  # misfit of a pose that is another one
 EARLY = 16  # a body of fewer readings is fitted so many times as there are fewer
 
 
-def cell_readings(model: ObservationModel, cell: float) -> Floats:
-    """Readings per Pa on a cell at distances `STEP` apart, and 0 at the end: (M,)."""
-    physics = model.physics
-    assert physics is not None
-    far = float(np.ptp(model.taxels, axis=0).max()) + 0.02
-    distance = np.arange(0.0, far, 50 * STEP)
-    grid = Grid(Patch(np.zeros((1, 2))), (1, 1), cell, np.zeros(2))
+@dataclass(frozen=True, eq=False)
+class Response:
+    r"""What taxels read of a cell, and what a body's own strain adds to that.
 
-    def at(distances: Floats) -> Floats:
-        places = np.column_stack([distances, np.zeros_like(distances)])
-        made_of = physics.mechanics, physics.layer, grid, places, physics.pad_diameter
-        return physics.quantity.matrix(*made_of)[:, 0]
+    A gap reads more than its mean strain: the terms :math:`v\,\mathcal D v` and
+    :math:`v\,\mathcal D(v\,\mathcal D v) - v^2(kh)^2v/2` of `skinfield.elastic.electrostatics`,
+    by Fourier series on twice the lattice. They follow from the pressure as it is known so far.
 
-    coarse = np.abs(at(distance))
-    reach = distance[np.flatnonzero(coarse > FAINT * coarse.max())[-1]] + 50 * STEP
-    return _ended(at(np.arange(0.0, reach + STEP, STEP)))
+    Attributes
+    ----------
+    model : ObservationModel
+        With its physics.
+    cell : float, m
+    """
+
+    model: ObservationModel
+    cell: float
+
+    @property
+    def physics(self) -> Physics:
+        """What taxels are made of and read."""
+        assert self.model.physics is not None
+        return self.model.physics
+
+    @property
+    def order(self) -> int:
+        """Of the series in the strain."""
+        quantity = self.physics.quantity
+        return (quantity.order or 3) if isinstance(quantity, Capacitance) else 1
+
+    @cached_property
+    def first(self) -> Floats:
+        """Readings per Pa on a cell at distances `STEP` apart, and 0 at the end: (M,)."""
+        physics = self.physics
+        grid = Grid(Patch(np.zeros((1, 2))), (1, 1), self.cell, np.zeros(2))
+
+        def at(distances: Floats) -> Floats:
+            places = np.column_stack([distances, np.zeros_like(distances)])
+            made_of = physics.mechanics, physics.layer, grid, places, physics.pad_diameter
+            return physics.quantity.matrix(*made_of)[:, 0]
+
+        coarse = 50 * STEP
+        distance = np.arange(0.0, float(np.ptp(self.model.taxels, axis=0).max()) + FAR, coarse)
+        seen = np.abs(at(distance))
+        reach = distance[np.flatnonzero(seen > FAINT * seen.max())[-1]] + coarse
+        return _ended(at(np.arange(0.0, reach + STEP, STEP)))
+
+    @cached_property
+    def second(self) -> Floats:
+        """Readings of a unit of charge on a cell, as `first`."""
+        if self.order == 1:
+            return np.zeros(4)
+        thickness = self.physics.layer.thickness
+        pad = self.physics.pad_diameter / 2 / thickness
+        distance = np.arange(0.0, pad + FIELD_REACH, STEP / thickness)
+        kernel = RadialKernel(
+            lambda alpha: electrostatic(alpha) * jinc(alpha, pad) * alpha / (2 * np.pi),
+            0, 46.0, float(distance[-1]) + pad, pad,
+        )  # fmt: skip
+        return _ended(kernel(distance) * (self.cell / thickness) ** 2)
+
+    def strain_on(self, side: int) -> LatticeConvolution:
+        """Strain (side, side) of the gap by pressures (side, side) Pa."""
+        physics, cell, last = self.physics, self.cell, side - 1
+        made_of = physics.mechanics, physics.layer, cell, cell, last, last
+        return LatticeConvolution(cached_indentation_kernel(*made_of) / physics.layer.thickness)
+
+    def waves(self, side: int) -> tuple[Floats, Floats]:
+        """Multipliers kh coth kh and (kh)² of the Fourier series on twice the lattice."""
+        along = np.fft.rfftfreq(2 * side, self.cell), np.fft.fftfreq(2 * side, self.cell)[:, None]
+        kh = 2 * np.pi * np.hypot(*along) * self.physics.layer.thickness
+        return kh / np.tanh(np.maximum(kh, 1e-9)) + (kh < 1e-9), kh**2
 
 
 def _ended(table: Floats) -> Floats:
@@ -64,77 +121,6 @@ def _ended(table: Floats) -> Floats:
     table = table[: last + 4].copy()
     table[-2:] = 0.0
     return table
-
-
-def charge_readings(model: ObservationModel, cell: float) -> Floats:
-    """Readings of a unit strain on a cell, at distances `STEP` apart, and 0 at the end: (M,)."""
-    physics = model.physics
-    assert physics is not None
-    if not _curved(model):
-        return np.zeros(4)
-    thickness = physics.layer.thickness
-    pad = physics.pad_diameter / 2 / thickness
-    distance = np.arange(0.0, pad + FIELD_REACH, STEP / thickness)
-    kernel = RadialKernel(
-        lambda alpha: electrostatic(alpha) * jinc(alpha, pad) * alpha / (2 * np.pi),
-        0, 46.0, float(distance[-1]) + pad, pad,
-    )  # fmt: skip
-    return _ended(kernel(distance) * (cell / thickness) ** 2)
-
-
-def _curved(model: ObservationModel) -> bool:
-    """Whether readings are more than linear in the strain of the gap."""
-    assert model.physics is not None
-    quantity = model.physics.quantity
-    return isinstance(quantity, Capacitance) and quantity.order != 1
-
-
-@dataclass(frozen=True, eq=False)
-class Charge:
-    r"""Charge beyond first order on the cells of a lattice, as strains of the gap make it.
-
-    The terms :math:`v\,\mathcal D v` and :math:`v\,\mathcal D(v\,\mathcal D v) - v^2(kh)^2v/2` of
-    `skinfield.elastic.electrostatics`, by Fourier series on twice the lattice.
-    """
-
-    model: ObservationModel
-    side: int
-    cell: float
-
-    @cached_property
-    def _strain(self) -> LatticeConvolution:
-        physics, last = self.model.physics, self.side - 1
-        assert physics is not None
-        offsets = lattice(last, last, self.cell)
-        depth = physics.mechanics.indentation(physics.layer, offsets, self.cell)
-        shape = self.side, self.side
-        return LatticeConvolution(mirrored(depth.reshape(shape)) / physics.layer.thickness)
-
-    @cached_property
-    def _waves(self) -> tuple[Floats, Floats]:
-        physics, size = self.model.physics, 2 * self.side
-        assert physics is not None
-        along = np.fft.rfftfreq(size, self.cell), np.fft.fftfreq(size, self.cell)[:, None]
-        kh = 2 * np.pi * np.hypot(*along) * physics.layer.thickness
-        return kh / np.tanh(np.maximum(kh, 1e-9)) + (kh < 1e-9), kh**2
-
-    def __call__(self, pressure: Floats, out: Floats) -> None:
-        """Write terms 2 and 3 of pressures (J,) Pa into rows 1 and 2 of `out` (3, J)."""
-        from scipy import fft
-
-        side, (steep, square) = self.side, self._waves
-
-        def times(values: Floats, waves: Floats) -> Floats:
-            spectrum = fft.rfft2(values, (2 * side, 2 * side)) * waves
-            return np.asarray(fft.irfft2(spectrum, (2 * side, 2 * side))[:side, :side])
-
-        strain = np.clip(self._strain(pressure.reshape(side, side)), -DEEPEST, DEEPEST)
-        second = strain * times(strain, steep)
-        out[1] = second.ravel()
-        quantity = self.model.physics.quantity  # type: ignore[union-attr]
-        if getattr(quantity, "order", None) != 2:
-            third = strain * times(second, steep) - 0.5 * strain**2 * times(strain, square)
-            out[2] = third.ravel()
 
 
 @dataclass(frozen=True)
@@ -165,13 +151,11 @@ class ImageFit:
 
     Parameters
     ----------
-    model : ObservationModel
-        With its physics.
+    response : Response
     centre : (2,) array, m
         Of the lattice in the body's frame.
     side : int
         Cells along x and along y.
-    cell : float, m
     most : int
         Readings that are kept; of more, the last ones.
     step, bend : (m, rad)
@@ -192,31 +176,28 @@ class ImageFit:
 
     def __init__(
         self,
-        model: ObservationModel,
+        response: Response,
         centre: Floats,
         side: int,
-        cell: float,
         most: int,
         step: tuple[float, float],
         bend: tuple[float, float],
         known: bool,
     ) -> None:
-        self.model, self.centre, self.side, self.cell = model, centre, side, cell
-        self.known = known
+        self.response, self.centre, self.side, self.known = response, centre, side, known
+        self.cell, taxels = response.cell, response.model.taxels
         x, y = np.meshgrid(*self.cells)
-        first = cell_readings(model, cell)
-        self._first = first
-        second = charge_readings(model, cell)
+        single: Any = np.float32
         self._lattice = Lattice(
-            x.ravel().astype(np.float32), y.ravel().astype(np.float32), side,
-            np.ascontiguousarray(model.taxels, dtype=np.float64),
-            first.astype(np.float32), second.astype(np.float32), STEP,
+            x.ravel().astype(single), y.ravel().astype(single), side,
+            np.ascontiguousarray(taxels, dtype=np.float64),
+            response.first.astype(single), response.second.astype(single), STEP,
         )  # fmt: skip
-        area, width = (cell / CELL) ** 2, cell / CELL
+        area, width = (self.cell / CELL) ** 2, self.cell / CELL
         self._weights = TOTAL * area, COMPACT * area, EDGES * width, FIRST_EDGES * width
-        self._steps = tuple(np.array([each[0], each[0], each[1]]) for each in (step, bend))
-        self._charge = Charge(model, side, cell) if _curved(model) else None
-        self._batch = _empty(side**2, most, len(model.taxels))
+        self._steps = np.array([step[0], step[0], step[1]]), np.array([bend[0], bend[0], bend[1]])
+        self._strain, self._waves = response.strain_on(side), response.waves(side)
+        self._batch = _empty(side**2, most, len(taxels))
         self.count, self.misfit, self.unit = 0, np.nan, 1.0
 
     @property
@@ -254,9 +235,10 @@ class ImageFit:
     def _prior(self) -> Prior:
         total, compact, edges, once = self._weights
         kept = self.kept
+        step, bend = self._steps
         return Prior(
-            total * kept, compact * kept, LOW, edges * kept + once, SMOOTH, *self._steps, FORCE
-        )  # fmt: skip
+            total * kept, compact * kept, LOW, edges * kept + once, SMOOTH, step, bend, FORCE
+        )
 
     @property
     def cells(self) -> tuple[Floats, Floats]:
@@ -287,7 +269,7 @@ class ImageFit:
         self.count += 1
         highest = float(np.abs(readings[valid]).max())
         batch.raw[t] = np.where(valid, readings, 0.0)
-        noise = np.hypot(self.model.noise_std, MODEL_ERROR * highest)
+        noise = np.hypot(self.response.model.noise_std, MODEL_ERROR * highest)
         batch.white[t] = valid / noise
         batch.poses[t], batch.moved[t], batch.known[t] = start, 0.0, first or self.known
         batch.scales[t], batch.grown[t] = before, 0.0
@@ -306,11 +288,11 @@ class ImageFit:
     def _begin(self, highest: float) -> None:
         """Fit the first reading: linear at first, then with what its own pressure adds."""
         batch, prior = self._batch, self._prior()
-        self.unit = highest / (self._first[0] / self.cell**2 * STROKE)
-        self._lattice.first[:] = self._first * self.unit
+        table = self.response.first
+        self.unit = highest / (table[0] / self.cell**2 * STROKE)
+        self._lattice.first[:] = table * self.unit
         linear, raw = np.empty(len(batch.raw[0])), batch.raw[0].copy()
-        assert self.model.physics is not None
-        batch.raw[0] = self.model.physics.quantity.linearise(raw, linear)
+        batch.raw[0] = self.response.physics.quantity.linearise(raw, linear)
         visit(self._lattice, batch, 0, 1, prior, 0)
         self._sweep(prior, 3 * FIRST_SWEEPS)
         batch.raw[0] = raw
@@ -343,17 +325,31 @@ class ImageFit:
             follow(batch, self.count, prior, 1 if self.known else 4)
 
     def _add_charge(self) -> None:
-        self._batch.fields[0] = self._batch.pressure
-        if self._charge is not None:
-            self._charge(self._batch.fields[0] * self.unit, self._batch.fields)
+        """Write the pressure, and the charge beyond first order that follows from it, to fields."""
+        from scipy import fft
+
+        fields, side, (steep, square) = self._batch.fields, self.side, self._waves
+        fields[0] = self._batch.pressure
+        if self.response.order == 1:
+            return
+
+        def times(values: Floats, waves: Floats) -> Floats:
+            spectrum = fft.rfft2(values, (2 * side, 2 * side)) * waves
+            return np.asarray(fft.irfft2(spectrum, (2 * side, 2 * side))[:side, :side])
+
+        strain = self._strain(fields[0].reshape(side, side) * self.unit)
+        strain = np.clip(strain, -DEEPEST, DEEPEST)
+        second = strain * times(strain, steep)
+        fields[1] = second.ravel()
+        if self.response.order == 3:
+            third = strain * times(second, steep) - 0.5 * strain**2 * times(strain, square)
+            fields[2] = third.ravel()
 
     def _sweep(self, prior: Prior, sweeps: int) -> None:
-        batch = self._batch
-        sweep(
-            self.side, batch.rows, batch.rest, batch.scales.astype(np.float32), batch.pressure,
-            self.kept, *(np.float32(each) for each in prior[:5]), sweeps,
-            self.count % WHOLE < 1 or self.count < EARLY,
-        )  # fmt: skip
+        batch, whole = self._batch, self.count % WHOLE == 0 or self.count < EARLY
+        scales = batch.scales.astype(np.float32)
+        which = self.side, batch.rows, batch.rest, scales, batch.pressure, self.kept
+        sweep(*which, prior, sweeps, whole)
 
     def _normalise(self) -> None:
         """Have the mean of the scales be 1: they and the pressure are known as a product alone."""
@@ -378,8 +374,8 @@ class ImageFit:
         batch, kept = self._batch, self.kept
         poses, scales = batch.poses + batch.moved, batch.scales + batch.grown
         return Snapshot(
-            poses[:kept], scales[:kept], batch.white[:kept].copy(), batch.pressure.copy(),
-            self.unit, self.scale,
+            poses[:kept], scales[:kept], batch.white[:kept].copy(),
+            batch.pressure.astype(np.float64), self.unit, self.scale,
         )  # fmt: skip
 
     def deviation(self, at: Snapshot) -> Floats:

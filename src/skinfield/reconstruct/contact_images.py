@@ -30,12 +30,13 @@ from skinfield.errors import (
 )
 from skinfield.estimate import Estimate
 from skinfield.estimate.contact_image import ContactImage
-from skinfield.reconstruct.contact_image_fit import ImageFit
+from skinfield.reconstruct.contact_image_fit import ImageFit, Response
 from skinfield.reconstruct.reconstructor import Reconstructor, checked_readings
 
 SMALLEST = 2.2  # pitches from the middle of an image to its border, at least
 SIDES = 8, 64  # cells along the side of an image
-LOST, AGAIN = 4.0, 3  # misfit of a body that is another one, if so often in a row
+LOST, AGAIN = 2.0, 3  # misfit, over what it usually is, of a body that is another one; in a row
+USUAL = 30  # readings over which a misfit is the usual one
 UNEXPLAINED = 0.15  # of the highest reading: what bodies leave more of is a further one
 FELT = 5.0  # times its noise: a reading of a body
 BENDS = 0.5  # times its step, that a motion's steps differ from one another
@@ -53,7 +54,14 @@ class _Body:
 
     def __init__(self, fit: ImageFit, number: int, centre: Floats) -> None:
         self.fit, self.number, self.centre = fit, number, centre
-        self.unseen, self.lost, self.stamp = 0, 0, 0
+        self.unseen, self.lost, self.stamp, self.usual = 0, 0, 0, 1.0
+
+    def judge(self) -> None:
+        """Count for how many readings in a row it has not been what it was."""
+        misfit = self.fit.misfit
+        self.lost = self.lost + 1 if misfit > LOST * self.usual else 0
+        self.usual += (min(misfit, LOST * self.usual) - self.usual) / USUAL
+        self.usual = max(self.usual, 1.0)
 
     def image(self, rec: Reconstructor) -> ContactImage:
         fit = self.fit
@@ -146,6 +154,7 @@ class ContactImages:
         check_count("coast", coast, 0, 1_000_000, "readings for which a body may be unseen")
         self.rec, self.cell, self.near, self.coast = rec, cell, near, coast
         self._most, self._motion = readings, (step, turn)
+        self._response = Response(rec.model, cell)
         self._next = 1
         self.reset()
 
@@ -263,7 +272,7 @@ class ContactImages:
             middle = _turned(touch.centre - pose[:2], -pose[2])
         bends = BENDS * self._motion[0], BENDS * self._motion[1]
         fit = ImageFit(
-            self.rec.model, middle, side, self.cell, self._most, self._motion, bends,
+            self._response, middle, side, self._most, self._motion, bends,
             known=pose is not None,
         )  # fmt: skip
         body = _Body(fit, self._next, touch.centre)
@@ -286,10 +295,10 @@ class ContactImages:
             centre = self._centre(own, valid, body)
             body.fit.update(own, valid, None, centre - body.centre)
             body.centre = centre
-            body.lost = body.lost + 1 if body.fit.misfit > LOST else 0
+            body.judge()
             expected[index] = body.fit.predicted()
             seen.append(body)
-        gone = [body for body in self._bodies if body.lost >= AGAIN]
+        gone = [body for body in seen if body.lost >= AGAIN]
         for body in gone:  # what touches is no longer what it was: begin anew
             expected[self._bodies.index(body)][:] = 0.0
         self._bodies = [body for body in self._bodies if body not in gone]
@@ -302,6 +311,9 @@ class ContactImages:
             if any(np.hypot(*(touch.centre - body.place())) < body.reach for body in seen):
                 continue
             body = self._begin(touch, None)
+            for old in gone:
+                if np.hypot(*(touch.centre - old.centre)) < old.reach:
+                    body.number = old.number
             body.fit.update(rest, valid & (nearest == index), np.array([*touch.centre, 0.0]))
             seen.append(body)
         return seen

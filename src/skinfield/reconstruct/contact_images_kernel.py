@@ -445,7 +445,7 @@ def farthest(batch: Batch, kept: int) -> int:
 @njit(fastmath=FAST)
 def sweep(
     columns: int, rows: Singles, rest: Singles, scales: Singles, pressure: Singles, kept: int,
-    total: float, compact: float, low: float, edges: float, smooth: float, sweeps: int, whole: bool,
+    prior: Prior, sweeps: int, whole: bool,
 ) -> None:  # fmt: skip
     """Lower the objective cell by cell, in place: coordinate descent.
 
@@ -461,12 +461,13 @@ def sweep(
     pressure : (J,) array
     kept : int
         Readings that there are.
-    total, compact, low, edges, smooth : float
-        See `Prior`.
+    prior : Prior
     sweeps : int
     whole : bool
         Look at cells that border on no pressed one as well, in every fourth sweep.
     """
+    total, compact, low = np.float32(prior.total), np.float32(prior.compact), np.float32(prior.low)
+    edges, smooth = np.float32(prior.edges), np.float32(prior.smooth)
     cells, _, taxels = rows.shape
     height = cells // columns
     curvature = np.full(cells, -1.0, np.float32)
