@@ -53,7 +53,7 @@ ELSEWHERE = {  # third-party packages outside the core, and the rooms that may i
         "signal",
         "lab",
     },
-    "contourpy": {"simulate"},
+    "contourpy": {"estimate", "simulate"},
     "pandas": {"estimate"},
     "pyarrow": {"estimate", "files"},
     "zarr": {"files"},

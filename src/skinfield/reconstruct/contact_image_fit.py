@@ -11,6 +11,7 @@ from skinfield.elastic.hankel import RadialKernel, electrostatic, jinc
 from skinfield.elastic.lattice import LatticeConvolution, cached_indentation_kernel
 from skinfield.errors import Floats
 from skinfield.reconstruct.contact_images_kernel import (
+    ONWARDS,
     Batch,
     Lattice,
     Prior,
@@ -33,10 +34,9 @@ FIRST_EDGES = 0.5  # and once
 STROKE = 16e-6  # m²: pressed evenly by 1, the unit of pressure, it gives the highest reading
 MODEL_ERROR = 0.01  # of the highest reading, beside the noise
 DEEPEST = 0.4  # strain of which the series is taken at most
-FORCE = 0.05  # of one reading's force about that before
+FORCE, FORCE_GIVEN = 0.05, 0.3  # of a reading's force about that before; where poses are given
 FIRST_SWEEPS, SWEEPS, STEPS, VISITS = 100, 6, 2, 3
 WHOLE = 4  # readings, of which one looks at all cells
-ONWARDS = 0.7  # of its last step, that a body is expected to go on
 LOST = 2.0  # misfit of a pose that is another one
 EARLY = 16  # a body of fewer readings is fitted so many times as there are fewer
 

@@ -141,7 +141,7 @@ class ContactImages:
         readings: int = 30,
         step: float = 0.7e-3,
         turn: float = 0.06,
-        near: float = 12e-3,
+        near: float = 16e-3,
         coast: int = 5,
     ) -> None:
         why = "of one patch: images of a whole skin are one ContactImages per patch"

@@ -15,6 +15,7 @@ from skinfield.errors import Floats
 
 FAST = {"reassoc", "contract", "nsz", "arcp"}
 Singles = NDArray[np.float32]
+ONWARDS = 0.7  # of its last step, that a body is expected to go on
 FARTHEST, WIDEST = 0.7e-3, 0.07  # m and rad, that a pose moves in one step
 ZERO, TINY, ONE = np.float32(0.0), np.float32(1e-9), np.uint32(1)
 FAINT = 2e-3  # of the highest charge beyond first order: cells that have less are left out
@@ -215,7 +216,7 @@ def _expected(batch: Batch, t: int, count: int, prior: Prior, pose: Floats, spre
         spread[k] = 0.0 if batch.known[t] else prior.step[k]
         if t == (count - 1) % size and not batch.known[t] and count > 2:
             last = batch.poses[before, k] + batch.moved[before, k]
-            pose[k] = 2.0 * last - batch.poses[earlier, k] - batch.moved[earlier, k]
+            pose[k] = last + ONWARDS * (last - batch.poses[earlier, k] - batch.moved[earlier, k])
 
 
 @njit
@@ -406,27 +407,27 @@ def _join(
     normal: Floats, right: Floats,
 ) -> None:  # fmt: skip
     """Add how far a scale, or a coordinate of a pose, may be from those before."""
-    terms, factor = 2, np.array([1.0, -1.0, 0.0])
-    spread = prior.force if k == 0 else prior.step[k - 1]
-    if i == 0:
-        terms = 1
-    elif k > 0 and i > 1:
-        terms, factor, spread = 3, np.array([1.0, -2.0, 1.0]), prior.bend[k - 1]
-    away = 0.0
-    for m in range(terms):
-        t = slots[i - m]
-        away += factor[m] * (batch.scales[t] if k == 0 else batch.poses[t, k - 1])
-    if i == 0:
-        away = batch.scales[slots[0]] - 1.0 if k == 0 else 0.0
-    for m in range(terms):
-        a = (i - m) * size + k
-        fixed = k > 0 and batch.known[slots[i - m]]
-        if fixed:
+    for order in range(3):  # where it begins, its steps, and what differs from step to step
+        if (order == 0) != (i == 0) or order > i or (order == 2 and k == 0):
             continue
-        right[a] -= factor[m] * away / spread**2
-        for n in range(terms):
-            if not (k > 0 and batch.known[slots[i - n]]):
-                normal[a, (i - n) * size + k] += factor[m] * factor[n] / spread**2
+        factor = (1.0, -1.0, 0.0) if order < 2 else (1.0, -2.0, 1.0)
+        spread = prior.force if k == 0 else prior.step[k - 1]
+        if order == 2:
+            spread = prior.bend[k - 1]
+        away = 0.0
+        for m in range(order + 1):
+            t = slots[i - m]
+            away += factor[m] * (batch.scales[t] if k == 0 else batch.poses[t, k - 1])
+        if order == 0:
+            away = away - 1.0 if k == 0 else 0.0
+        for m in range(order + 1):
+            a = (i - m) * size + k
+            if k > 0 and batch.known[slots[i - m]]:
+                continue
+            right[a] -= factor[m] * away / spread**2
+            for n in range(order + 1):
+                if not (k > 0 and batch.known[slots[i - n]]):
+                    normal[a, (i - n) * size + k] += factor[m] * factor[n] / spread**2
 
 
 @njit
