@@ -23,12 +23,12 @@ STEP = 0.1e-3  # m: between points at which regions are compared
 
 
 def letter() -> HeightMap:
-    """E of strokes of 4 mm, none of those that the weights were chosen by."""
+    """J of strokes of 4 mm, none of the letters that the weights were chosen by."""
     axis = np.arange(-10e-3, 10e-3, PIXEL) + PIXEL / 2
     x, y = np.meshgrid(axis * 1e3, axis * 1e3)
-    inside = (np.abs(x + 4) < 2) & (np.abs(y) < 9)
-    for middle in (-7, 0, 7):
-        inside |= (np.abs(x) < 6) & (np.abs(y - middle) < 2)
+    inside = (np.abs(x - 4) < 2) & (np.abs(y) < 8)
+    inside |= (np.abs(x) < 6) & (np.abs(y + 6) < 2)
+    inside |= (np.abs(x + 4) < 2) & (y > -8) & (y < -1)
     return HeightMap(heights=np.where(inside, 0.0, np.nan), pixel=PIXEL, force=FORCE)
 
 
@@ -161,8 +161,8 @@ def test_bodies_come_and_go_each_with_its_image(rec: sf.Reconstructor) -> None:
     assert np.ptp([image.positions[..., 0].mean() for image in found]) > 30e-3
     for _ in range(3):
         assert images.update(rng.normal(scale=NOISE, size=len(PATCH))) == ()
-    (again, _) = images.update(readings)
-    assert again.track_id == 3, "it was forgotten"
+    again = images.update(readings)
+    assert {image.track_id for image in again} == {3, 4}, "they were forgotten"
 
 
 def linear_fit(cell: float = 1e-3) -> ImageFit:
@@ -194,7 +194,7 @@ def test_readings_of_a_body_are_those_of_the_observation_model() -> None:
         for side, sign in zip(sides, (1.0, -1.0), strict=True):
             look(fit._lattice, pose + sign * np.eye(3)[k] * step, fields, side, nothing)
         by_difference = (sides[0, 0] - sides[1, 0]) / (2 * step)
-        assert np.abs(slopes[0, k] - by_difference).max() < 0.02 * np.abs(by_difference).max()
+        assert np.abs(slopes[0, k] - by_difference).max() < 0.05 * np.abs(by_difference).max()
 
 
 def test_what_a_body_adds_beyond_first_order_is_that_of_the_deformed_gap(stamp: Stamp) -> None:

@@ -34,7 +34,7 @@ FIRST_EDGES = 0.5  # and once
 STROKE = 16e-6  # m²: pressed evenly by 1, the unit of pressure, it gives the highest reading
 MODEL_ERROR = 0.01  # of the highest reading, beside the noise
 DEEPEST = 0.4  # strain of which the series is taken at most
-FORCE, FORCE_GIVEN = 0.05, 0.3  # of a reading's force about that before; where poses are given
+FORCE, FORCE_GIVEN = 0.05, 0.2  # of a reading's force about that before; where poses are given
 FIRST_SWEEPS, SWEEPS, STEPS, VISITS = 100, 6, 2, 3
 WHOLE = 4  # readings, of which one looks at all cells
 LOST = 2.0  # misfit of a pose that is another one
@@ -235,10 +235,9 @@ class ImageFit:
     def _prior(self) -> Prior:
         total, compact, edges, once = self._weights
         kept = self.kept
-        step, bend = self._steps
-        return Prior(
-            total * kept, compact * kept, LOW, edges * kept + once, SMOOTH, step, bend, FORCE
-        )
+        force = FORCE_GIVEN if self.known else FORCE
+        weights = total * kept, compact * kept, LOW, edges * kept + once, SMOOTH
+        return Prior(*weights, *self._steps, force)
 
     @property
     def cells(self) -> tuple[Floats, Floats]:
