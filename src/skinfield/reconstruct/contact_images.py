@@ -33,6 +33,7 @@ from skinfield.estimate.contact_image import ContactImage
 from skinfield.reconstruct.contact_image_fit import ImageFit, Response
 from skinfield.reconstruct.reconstructor import Reconstructor, checked_readings
 
+MARGIN = 0.4  # pitches around the taxels that feel a body first, in its image
 SMALLEST = 2.2  # pitches from the middle of an image to its border, at least
 SIDES = 8, 64  # cells along the side of an image
 LOST, AGAIN = 2.0, 3  # misfit, over what it usually is, of a body that is another one; in a row
@@ -264,12 +265,13 @@ class ContactImages:
 
     def _begin(self, touch: Touch, pose: Floats | None) -> _Body:
         """A body in a frame of its own, or in that of its pose."""
-        radius = float(np.hypot(*(touch.taxels - touch.centre).T).max())
-        reach = max(radius, SMALLEST * self.rec.patch.pitch)
+        pitch = self.rec.patch.pitch
+        low, high = touch.taxels.min(axis=0), touch.taxels.max(axis=0)
+        reach = max(float((high - low).max()) / 2 + MARGIN * pitch, SMALLEST * pitch)
         side = int(np.clip(np.ceil(2.0 * reach / self.cell), *SIDES))
-        middle = np.zeros(2)
+        middle = (low + high) / 2 - touch.centre
         if pose is not None:
-            middle = _turned(touch.centre - pose[:2], -pose[2])
+            middle = _turned((low + high) / 2 - pose[:2], -pose[2])
         bends = BENDS * self._motion[0], BENDS * self._motion[1]
         fit = ImageFit(
             self._response, middle, side, self._most, self._motion, bends,
