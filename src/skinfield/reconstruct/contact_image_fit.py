@@ -37,6 +37,8 @@ DEEPEST = 0.4  # strain of which the series is taken at most
 FORCE, FORCE_GIVEN = 0.05, 0.2  # of a reading's force about that before; where poses are given
 FIRST_SWEEPS, SWEEPS, STEPS, VISITS = 100, 6, 2, 3
 WHOLE = 4  # readings, of which one looks at all cells
+PRESSED = 0.05  # of the highest pressure: a cell that has more is of the body
+NARROW = 2  # cells from the body to the border of its lattice
 LOST = 2.0  # misfit of a pose that is another one
 EARLY = 16  # a body of fewer readings is fitted so many times as there are fewer
 
@@ -278,6 +280,7 @@ class ImageFit:
             again = None if hint is None or last is None else last + np.array([*hint, 0.0])
             self._go_on(t, again)
         self._normalise()
+        self._centre_on_body()
 
     def _foretold(self) -> Floats:
         """Where the motion goes on to."""
@@ -358,6 +361,30 @@ class ImageFit:
         batch.grown[:kept] /= mean
         batch.spread[:kept, 0] /= mean
         batch.pressure[:] *= np.float32(mean)
+
+    def _centre_on_body(self) -> None:
+        """Move the lattice, by whole cells, where the body has come to its border."""
+        square = self._batch.pressure.reshape(self.side, self.side)
+        pressed = square > PRESSED * square.max()
+        moves = [0, 0]
+        for axis in range(2):
+            places = np.flatnonzero(pressed.any(axis=axis))
+            before, after = (places[0], self.side - 1 - places[-1]) if len(places) else (9, 9)
+            if min(before, after) < NARROW and max(before, after) > 2 * NARROW:
+                moves[axis] = int(before - after) // 2
+        if not any(moves):
+            return
+        across, up = moves
+        self.centre = self.centre + np.array(moves) * self.cell
+        self._lattice.x[:] += np.float32(across * self.cell)
+        self._lattice.y[:] += np.float32(up * self.cell)
+        moved = np.roll(square, (-up, -across), axis=(0, 1))
+        moved[self.side - up if up > 0 else 0 : None if up > 0 else -up] = 0.0
+        moved[:, self.side - across if across > 0 else 0 : None if across > 0 else -across] = 0.0
+        self._batch.pressure[:] = moved.ravel()
+        self._add_charge()
+        for t in range(self.kept):
+            visit(self._lattice, self._batch, t, self.count, self._prior(), 0)
 
     def predicted(self) -> Floats:
         """What the taxels read of the body, (L,), in the quantity's unit."""
