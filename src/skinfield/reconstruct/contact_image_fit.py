@@ -15,6 +15,7 @@ from skinfield.reconstruct.contact_images_kernel import (
     Batch,
     Lattice,
     Prior,
+    Singles,
     farthest,
     fill,
     follow,
@@ -105,16 +106,18 @@ class Response:
         return _ended(kernel(distance) * (self.cell / thickness) ** 2)
 
     def strain_on(self, side: int) -> LatticeConvolution:
-        """Strain (side, side) of the gap by pressures (side, side) Pa."""
+        """Strain (side, side) of the gap by pressures (side, side) Pa, single precision."""
         physics, cell, last = self.physics, self.cell, side - 1
         made_of = physics.mechanics, physics.layer, cell, cell, last, last
-        return LatticeConvolution(cached_indentation_kernel(*made_of) / physics.layer.thickness)
+        kernel = cached_indentation_kernel(*made_of) / physics.layer.thickness
+        return LatticeConvolution(kernel.astype(np.float32))
 
-    def waves(self, side: int) -> tuple[Floats, Floats]:
-        """Multipliers kh coth kh and (kh)² of the Fourier series on twice the lattice."""
-        along = np.fft.rfftfreq(2 * side, self.cell), np.fft.fftfreq(2 * side, self.cell)[:, None]
+    def waves(self, size: int) -> tuple[Singles, Singles]:
+        """Multipliers kh coth kh and (kh)² of the Fourier series on (size, size) cells."""
+        along = np.fft.rfftfreq(size, self.cell), np.fft.fftfreq(size, self.cell)[:, None]
         kh = 2 * np.pi * np.hypot(*along) * self.physics.layer.thickness
-        return kh / np.tanh(np.maximum(kh, 1e-9)) + (kh < 1e-9), kh**2
+        steep = kh / np.tanh(np.maximum(kh, 1e-9)) + (kh < 1e-9)
+        return steep.astype(np.float32), (kh**2).astype(np.float32)
 
 
 def _ended(table: Floats) -> Floats:
@@ -189,6 +192,8 @@ class ImageFit:
         self.response, self.centre, self.side, self.known = response, centre, side, known
         self.cell, taxels = response.cell, response.model.taxels
         x, y = np.meshgrid(*self.cells)
+        from scipy.fft import next_fast_len
+
         single: Any = np.float32
         self._lattice = Lattice(
             x.ravel().astype(single), y.ravel().astype(single), side,
@@ -198,7 +203,8 @@ class ImageFit:
         area, width = (self.cell / CELL) ** 2, self.cell / CELL
         self._weights = TOTAL * area, COMPACT * area, EDGES * width, FIRST_EDGES * width
         self._steps = np.array([step[0], step[0], step[1]]), np.array([bend[0], bend[0], bend[1]])
-        self._strain, self._waves = response.strain_on(side), response.waves(side)
+        self._strain = response.strain_on(side)
+        self._waves = response.waves(next_fast_len(2 * side, real=True))
         self._batch = _empty(side**2, most, len(taxels))
         self.count, self.misfit, self.unit = 0, np.nan, 1.0
 
@@ -334,17 +340,19 @@ class ImageFit:
         fields[0] = self._batch.pressure
         if self.response.order == 1:
             return
+        size = len(steep)
 
-        def times(values: Floats, waves: Floats) -> Floats:
-            spectrum = fft.rfft2(values, (2 * side, 2 * side)) * waves
-            return np.asarray(fft.irfft2(spectrum, (2 * side, 2 * side))[:side, :side])
+        def times(spectrum: Any, waves: Singles) -> Any:
+            return fft.irfft2(spectrum * waves, (size, size))[:side, :side]
 
-        strain = self._strain(fields[0].reshape(side, side) * self.unit)
-        strain = np.clip(strain, -DEEPEST, DEEPEST)
-        second = strain * times(strain, steep)
+        pressure = self._batch.pressure.reshape(side, side) * np.float32(self.unit)
+        strain = np.clip(self._strain(pressure), -DEEPEST, DEEPEST)
+        spectrum = fft.rfft2(strain, (size, size))
+        second = strain * times(spectrum, steep)
         fields[1] = second.ravel()
         if self.response.order == 3:
-            third = strain * times(second, steep) - 0.5 * strain**2 * times(strain, square)
+            third = strain * times(fft.rfft2(second, (size, size)), steep)
+            third -= 0.5 * strain * strain * times(spectrum, square)
             fields[2] = third.ravel()
 
     def _sweep(self, prior: Prior, sweeps: int) -> None:
@@ -388,7 +396,7 @@ class ImageFit:
 
     def predicted(self) -> Floats:
         """What the taxels read of the body, (L,), in the quantity's unit."""
-        self._add_charge()
+        self._batch.fields[0] = self._batch.pressure
         count = self._batch.raw.shape[1]
         out, slopes = np.zeros((3, count)), np.zeros((3, 3, count))
         look(self._lattice, self.pose, self._batch.fields, out, slopes)

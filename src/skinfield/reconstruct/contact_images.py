@@ -285,7 +285,10 @@ class ContactImages:
     def _followed(self, readings: Floats, valid: Any) -> list[_Body]:
         """All bodies that touch, with the poses that explain the reading best."""
         seen, rest = [], np.array(readings)
-        expected = [body.fit.predicted() for body in self._bodies]
+        several = len(self._bodies) > 1
+        expected = [
+            body.fit.predicted() if several else np.zeros(len(rest)) for body in self._bodies
+        ]
         for index, body in enumerate(self._bodies):
             others = sum(
                 (part for k, part in enumerate(expected) if k != index), np.zeros(len(rest))
@@ -339,17 +342,20 @@ def touches_of(readings: Floats, noise: Floats, taxels: Floats, gap: float) -> l
     gap : float, m
         Taxels that are nearer to each other are of one group if both feel something.
     """
+    clear = np.nan_to_num(readings) / noise
+    if clear.max() <= FELT:
+        return []
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial.distance import cdist
 
-    felt = np.flatnonzero(np.abs(np.nan_to_num(readings)) > FELT * noise)
+    felt = np.flatnonzero(np.abs(clear) > FELT)
     near = cdist(taxels[felt], taxels[felt]) < gap
     count, group = connected_components(near, directed=False)
     found = []
     for each in range(count):
         part = felt[group == each]
         weight = np.maximum(readings[part], 0.0)
-        if (weight > FELT * noise[part]).any():  # else it is the bulge beside something
+        if clear[part].max() > FELT:  # else it is the bulge beside something
             centre = weight @ taxels[part] / weight.sum()
             found.append((float(weight.max()), Touch(centre, taxels[part])))
     return [touch for _, touch in sorted(found, key=lambda pair: -pair[0])]
