@@ -191,11 +191,10 @@ def _stamp() -> "HeightMap":
 
 
 def _path(count: int, pitch: float) -> Floats:
-    """Poses (count, 3) of a body on a round way, a pitch wide, that turns a little to and fro."""
+    """Poses (count, 3) of a body that sways over a pitch, and turns a little to and fro."""
     turn = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
-    return np.column_stack([
-        pitch / 2 * np.cos(turn), pitch / 2 * np.sin(turn), 0.3 + 0.2 * np.sin(turn),
-    ])  # fmt: skip
+    places = pitch / 2 * np.column_stack([np.cos(2 * turn), np.sin(3 * turn)])
+    return np.column_stack([places, 0.3 + 0.2 * np.sin(turn)])
 
 
 def _overlap(image: "ContactImage", stamp: "HeightMap") -> float:

@@ -31,11 +31,12 @@ FAINT = 2e-3  # of a taxel's highest response: it sees no cell that is farther
 FIELD_REACH = 6.0  # thicknesses beyond a pad's rim, where its field has ended
 CELL = 0.8e-3  # m: of the weights below
 TOTAL, COMPACT, LOW, EDGES, SMOOTH = 0.015, 0.06, 0.3, 0.05, 0.05  # per reading: see `Prior`
+COMPACT_GIVEN = 0.09  # where poses are given
 FIRST_EDGES = 0.5  # and once
 STROKE = 16e-6  # m²: pressed evenly by 1, the unit of pressure, it gives the highest reading
 MODEL_ERROR = 0.01  # of the highest reading, beside the noise
 DEEPEST = 0.4  # strain of which the series is taken at most
-FORCE, FORCE_GIVEN = 0.05, 0.2  # of a reading's force about that before; where poses are given
+FORCE, FORCE_GIVEN = 0.05, 0.15  # of a reading's force about that before; where poses are given
 FIRST_SWEEPS, SWEEPS, STEPS, VISITS = 100, 6, 2, 3
 WHOLE = 4  # readings, of which one looks at all cells
 PRESSED = 0.05  # of the highest pressure: a cell that has more is of the body
@@ -201,7 +202,8 @@ class ImageFit:
             response.first.astype(single), response.second.astype(single), STEP,
         )  # fmt: skip
         area, width = (self.cell / CELL) ** 2, self.cell / CELL
-        self._weights = TOTAL * area, COMPACT * area, EDGES * width, FIRST_EDGES * width
+        compact = COMPACT_GIVEN if known else COMPACT
+        self._weights = TOTAL * area, compact * area, EDGES * width, FIRST_EDGES * width
         self._steps = np.array([step[0], step[0], step[1]]), np.array([bend[0], bend[0], bend[1]])
         self._strain = response.strain_on(side)
         self._waves = response.waves(next_fast_len(2 * side, real=True))
@@ -209,7 +211,7 @@ class ImageFit:
         self.count, self.misfit, self.unit = 0, np.nan, 1.0
 
     @property
-    def kept(self) -> int:
+    def in_use(self) -> int:
         """Readings that the pressure follows from."""
         return min(self.count, len(self._batch.raw))
 
@@ -233,7 +235,7 @@ class ImageFit:
     @property
     def poses(self) -> Floats:
         """Of the readings that are kept, the first of them first: (N, 3)."""
-        order = np.arange(self.count - self.kept, self.count) % len(self._batch.raw)
+        order = np.arange(self.count - self.in_use, self.count) % len(self._batch.raw)
         return np.asarray((self._batch.poses + self._batch.moved)[order])
 
     @property
@@ -242,7 +244,7 @@ class ImageFit:
 
     def _prior(self) -> Prior:
         total, compact, edges, once = self._weights
-        kept = self.kept
+        kept = self.in_use
         force = FORCE_GIVEN if self.known else FORCE
         weights = total * kept, compact * kept, LOW, edges * kept + once, SMOOTH
         return Prior(*weights, *self._steps, force)
@@ -325,9 +327,9 @@ class ImageFit:
             if again:
                 self._add_charge()
             for turn in range(VISITS):
-                other = (self.count * VISITS + turn) % self.kept
+                other = (self.count * VISITS + turn) % self.in_use
                 if turn < VISITS - 1:
-                    other = farthest(batch, self.kept)
+                    other = farthest(batch, self.in_use)
                 visit(self._lattice, batch, other, self.count, prior, 0)
             self._sweep(prior, SWEEPS)
             follow(batch, self.count, prior, 1 if self.known else 4)
@@ -358,12 +360,12 @@ class ImageFit:
     def _sweep(self, prior: Prior, sweeps: int) -> None:
         batch, whole = self._batch, self.count % WHOLE == 0 or self.count < EARLY
         scales = batch.scales.astype(np.float32)
-        which = self.side, batch.rows, batch.rest, scales, batch.pressure, self.kept
+        which = self.side, batch.rows, batch.rest, scales, batch.pressure, self.in_use
         sweep(*which, prior, sweeps, whole)
 
     def _normalise(self) -> None:
         """Have the mean of the scales be 1: they and the pressure are known as a product alone."""
-        batch, kept = self._batch, self.kept
+        batch, kept = self._batch, self.in_use
         mean = float((batch.scales + batch.grown)[:kept].mean())
         batch.scales[:kept] /= mean
         batch.grown[:kept] /= mean
@@ -391,7 +393,7 @@ class ImageFit:
         moved[:, self.side - across if across > 0 else 0 : None if across > 0 else -across] = 0.0
         self._batch.pressure[:] = moved.ravel()
         self._add_charge()
-        for t in range(self.kept):
+        for t in range(self.in_use):
             visit(self._lattice, self._batch, t, self.count, self._prior(), 0)
 
     def predicted(self) -> Floats:
@@ -405,7 +407,7 @@ class ImageFit:
 
     def snapshot(self) -> Snapshot:
         """Copy of what the covariance follows from."""
-        batch, kept = self._batch, self.kept
+        batch, kept = self._batch, self.in_use
         poses, scales = batch.poses + batch.moved, batch.scales + batch.grown
         return Snapshot(
             poses[:kept], scales[:kept], batch.white[:kept].copy(),

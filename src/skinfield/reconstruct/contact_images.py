@@ -72,7 +72,7 @@ class _Body:
             body_positions=np.stack(np.meshgrid(x, y), axis=-1),
             pose=fit.pose,
             patch=rec.patch,
-            readings=fit.kept,
+            readings=fit.in_use,
             misfit=fit.misfit,
             track_id=self.number,
             stamp_ns=self.stamp,
