@@ -109,7 +109,9 @@ def motion_error(found: Floats, true: Floats) -> tuple[float, float]:
 def run(rec: Any, stamp: HeightMap, clean: Any, given: bool, seed: int) -> list[float]:
     """Scores after 1, 10 and 30 readings, errors of the motion, and ms an update."""
     rng = np.random.default_rng(seed)
-    images, poses, out, found, spent = sf.ContactImages(rec), way(given, rng), [], [], []
+    images, poses = sf.ContactImages(rec), way(given, rng)
+    out: list[float] = []
+    found, spent = [], []
     for count, pose in enumerate(poses, start=1):
         readings = clean((PATCH.plane - pose[:2]) @ turned(pose[2]))
         readings += rng.normal(scale=NOISE, size=len(PATCH))

@@ -219,7 +219,7 @@ def _expected(batch: Batch, t: int, count: int, prior: Prior, pose: Floats, spre
             pose[k] = last + ONWARDS * (last - batch.poses[earlier, k] - batch.moved[earlier, k])
 
 
-@njit
+@inner
 def settle(
     lattice: Lattice,
     fields: Floats,
@@ -282,7 +282,7 @@ def settle(
     return scale, misfit
 
 
-@njit(fastmath=FAST)
+@inner(fastmath=FAST)
 def _into_root(batch: Batch, t: int, size: int, along: Floats, white: Floats, rest: Floats) -> None:
     """Rows and data of a reading, as their root has them: see `Batch`."""
     part = np.ascontiguousarray(along[:size])
