@@ -37,7 +37,13 @@ STROKE = 16e-6  # m²: pressed evenly by 1, the unit of pressure, it gives the h
 MODEL_ERROR = 0.01  # of the highest reading, beside the noise
 DEEPEST = 0.4  # strain of which the series is taken at most
 FORCE, FORCE_GIVEN = 0.05, 0.15  # of a reading's force about that before; where poses are given
-FIRST_SWEEPS, SWEEPS, STEPS, VISITS = 100, 6, 2, 3
+FIRST_SWEEPS, SWEEPS, STEPS = 100, 6, 1
+STRIDES = (
+    7,
+    11,
+    13,
+    1,
+)  # readings from one that is visited anew to the next: the first that goes round
 WHOLE = 4  # readings, of which one looks at all cells
 PRESSED = 0.05  # of the highest pressure: a cell that has more is of the body
 NARROW = 2  # cells from the body to the border of its lattice
@@ -208,6 +214,7 @@ class ImageFit:
         self._strain = response.strain_on(side)
         self._waves = response.waves(next_fast_len(2 * side, real=True))
         self._batch = _empty(side**2, most, len(taxels))
+        self._stride = next(each for each in STRIDES if most % each or each == 1)
         self.count, self.misfit, self.unit = 0, np.nan, 1.0
 
     @property
@@ -326,10 +333,7 @@ class ImageFit:
         for again in range(max(1, EARLY // self.count)):
             if again:
                 self._add_charge()
-            for turn in range(VISITS):
-                other = (self.count * VISITS + turn) % self.in_use
-                if turn < VISITS - 1:
-                    other = farthest(batch, self.in_use)
+            for other in (farthest(batch, self.in_use), self.count * self._stride % self.in_use):
                 visit(self._lattice, batch, other, self.count, prior, 0)
             self._sweep(prior, SWEEPS)
             follow(batch, self.count, prior, 1 if self.known else 4)
