@@ -87,6 +87,8 @@ class _Body:
     def place(self) -> Floats:
         """Centre of its pressure in the plane, (2,) m."""
         weight = self.fit.pressure
+        if not weight.any():
+            return self.centre
         x, y = self.fit.cells
         mean = np.array([weight.sum(axis=0) @ x, weight.sum(axis=1) @ y]) / weight.sum()
         return _turned(mean, self.fit.pose[2]) + self.fit.pose[:2]

@@ -443,6 +443,18 @@ def farthest(batch: Batch, kept: int) -> int:
     return best
 
 
+@inner(fastmath=FAST)
+def _couple(
+    columns: int, pressure: Singles, edges: np.float32, smooth: np.float32, coupling: Singles
+) -> None:
+    """Curvature (J,) of the total variation, of each cell to those after it along x and y."""
+    cells = len(pressure)
+    for j in range(cells):
+        dx = (pressure[j + 1] if (j + 1) % columns else ZERO) - pressure[j]
+        dy = (pressure[j + columns] if j + columns < cells else ZERO) - pressure[j]
+        coupling[j] = edges / math.sqrt(dx * dx + dy * dy + smooth * smooth)
+
+
 @njit(fastmath=FAST)
 def sweep(
     columns: int, rows: Singles, rest: Singles, scales: Singles, pressure: Singles, kept: int,
@@ -474,11 +486,7 @@ def sweep(
     curvature = np.full(cells, -1.0, np.float32)
     coupling = np.zeros(cells, np.float32)
     for turn in range(sweeps):
-        for j in range(cells):
-            r, c, p = j // columns, j % columns, pressure[j]
-            dx = (pressure[j + 1] if c + 1 < columns else ZERO) - p
-            dy = (pressure[j + columns] if r + 1 < height else ZERO) - p
-            coupling[j] = edges / math.sqrt(dx * dx + dy * dy + smooth * smooth)
+        _couple(columns, pressure, edges, smooth, coupling)
         for i in range(cells):
             j = i if turn % 2 == 0 else cells - 1 - i
             r, c, p = j // columns, j % columns, pressure[j]
