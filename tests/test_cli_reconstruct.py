@@ -56,6 +56,15 @@ def test_demo_finds_two_touches_within_some_per_cent_and_knows_how_well(tmp_path
         assert abs(each["estimated_force_N"] - each["force_N"]) < 2 * std
 
 
+def test_demo_shows_how_a_shape_sharpens(tmp_path: Path) -> None:
+    found = result_of("demo", "shape", "-o", tmp_path / "shape.png")
+    assert (tmp_path / "shape.png").read_bytes().startswith(b"\x89PNG")
+    first, _, last = found["images"]
+    assert [each["readings"] for each in found["images"]] == [1, 10, 30]
+    assert 0.4 < first["overlap"] < 0.75 < last["overlap"]
+    assert last["force_N"] == pytest.approx(last["true_force_N"], rel=0.15)
+
+
 def test_demo_refuses_a_press_it_does_not_understand(tmp_path: Path) -> None:
     assert "--press is '1,2,3': expected x,y,force,radius" in refused(
         "demo", "--press", "1,2,3", "-o", tmp_path / "demo.png"

@@ -27,6 +27,7 @@ if _typing.TYPE_CHECKING:
     from skinfield.files.layouts.load import save_layout as save_layout
     from skinfield.loop import connect as connect
     from skinfield.reconstruct import Reconstructor as Reconstructor
+    from skinfield.reconstruct.contact_images import ContactImages as ContactImages
     from skinfield.reconstruct.engine import Engine as Engine
     from skinfield.signal import find_faults as find_faults
     from skinfield.simulate import datasets as datasets
@@ -64,6 +65,7 @@ _ON_DEMAND = {  # a module, or a module and what it holds
             "files.read": "read",
             "loop": "connect",
             "reconstruct": "Reconstructor",
+            "reconstruct.contact_images": "ContactImages",
             "reconstruct.engine": "Engine",
             "signal": "find_faults",
             "skin": "Grid Patch Skin",
@@ -77,10 +79,10 @@ _ON_DEMAND = {  # a module, or a module and what it holds
 
 
 __all__ = [  # what one begins with; the other names above are there as well
-    "Auto", "BondedLayer", "Contact", "ContactFit", "Detector", "Engine", "Estimate",
-    "GaussianField", "Grid", "Layer", "NonNegative", "Patch", "Reconstructor", "Sheet", "Skin",
-    "Tracker", "calibrate", "connect", "datasets", "find_faults", "layouts", "read", "save_layout",
-    "save_results", "simulate",
+    "Auto", "BondedLayer", "Contact", "ContactFit", "ContactImages", "Detector", "Engine",
+    "Estimate", "GaussianField", "Grid", "Layer", "NonNegative", "Patch", "Reconstructor", "Sheet",
+    "Skin", "Tracker", "calibrate", "connect", "datasets", "find_faults", "layouts", "read",
+    "save_layout", "save_results", "simulate",
 ]  # fmt: skip
 
 

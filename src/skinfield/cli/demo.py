@@ -6,7 +6,7 @@ import timeit
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 from cyclopts import Parameter
@@ -18,8 +18,9 @@ from skinfield.errors import Floats, InputError, as_floats
 
 if TYPE_CHECKING:
     from skinfield import Estimate, Reconstructor
+    from skinfield.estimate.contact_image import ContactImage
     from skinfield.reconstruct.serialisation import ReconstructorConfig
-    from skinfield.simulate import Press, Sphere
+    from skinfield.simulate import HeightMap, Press, Sphere
 
 DEFAULT_PRESSES = ("13,-12,3,10", "-16,8,2,6")  # mm, mm, N, mm
 PICTURE = "demo.png"
@@ -29,6 +30,17 @@ INTERPRETED = (
     "background (`skinfield warmup`), and a reading then takes less than a millisecond"
 )
 FAR = 8e-3  # m: a contact beyond is not of this press
+STAMP = (  # strokes of the letter R: from, to, in mm
+    ((-4, -7), (-4, 7)), ((-4, 7), (2, 7)), ((4, 5), (4, 2)), ((2, 7), (4, 5)), ((4, 2), (2, 0)),
+    ((2, 0), (-4, 0)), ((0, 0), (5, -7)),
+)  # fmt: skip
+STROKE, PIXEL, STAMP_FORCE = 4e-3, 0.2e-3, 5.0  # m, m, N
+SHOWN = 1, 10, 30  # readings of which an image is shown
+SHARPENING = (
+    Column("readings", "readings", decimals=0), Column("overlap", "overlap", decimals=2),
+    Column("area mm²", "area_m2", 1e6, 0), Column("true mm²", "true_area_m2", 1e6, 0),
+    Column("force N", "force_N", decimals=2), Column("true N", "true_force_N", decimals=2),
+)  # fmt: skip
 AGAINST = (
     Column("press", "press", decimals=0), Column("true N", "force_N", decimals=2),
     Column("found N", "estimated_force_N", decimals=2),
@@ -39,6 +51,8 @@ AGAINST = (
 
 
 def demo(
+    what: Literal["balls", "shape"] = "balls",
+    /,
     *,
     layout: options.LayoutText = "hexagon72",
     press: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True)] = (),
@@ -53,15 +67,19 @@ def demo(
     """Simulate rigid balls that press on a patch, reconstruct what they do, and compare.
 
     The truth comes from a contact solver on a finer grid of its own and, for capacitance, from the
-    nonlinear electrostatics of the pads; the reconstruction sees noisy readings only.
+    nonlinear electrostatics of the pads; the reconstruction sees noisy readings only. Or a stamp,
+    the letter R, that is moved over the patch within a pitch: its image after 1, 10, 30 readings.
 
       skinfield demo
+      skinfield demo shape
       skinfield demo --press 0,6,2,6 --solver nonnegative
       skinfield demo --press 0,6,2,6 --solver tikhonov --grid 20 -o demo.pdf
       skinfield demo --quantity stress --mechanics half-space --solver inverse
 
     Parameters
     ----------
+    what : str
+        What presses: balls, or a stamp whose shape is found.
     press : tuple of str
         A ball, X,Y,F,R: place mm, force N, radius mm; again for more.
     output : str, optional
@@ -77,6 +95,9 @@ def demo(
     config = _config_of(layout, noise, elastomer, replace(model, quantity=name))
     is_first = MODE.interpreted and not CONFIG.DISABLE_JIT
     balls = [options.parsed("--press", text, _ball_of) for text in press or DEFAULT_PRESSES]
+    if what == "shape":
+        _shape(config, name, seed, picture, as_json)
+        return
     with report.compilation(quiet=as_json) as compiling:
         true, readings = _pressed(config, balls, name, seed)
         start = time.perf_counter()
@@ -137,6 +158,91 @@ def _plain(estimate: "Estimate", prepared: float | None) -> dict[str, Any]:
         "prepared_s": prepared,
         "latency_s": None if prepared is None else estimate.latency,
     }
+
+
+def _shape(
+    config: "ReconstructorConfig", quantity: str, seed: int, picture: str | None, as_json: bool
+) -> None:
+    """Image of a stamp that is moved over the patch within a pitch, as the readings come in."""
+    import skinfield as sf
+    from skinfield.simulate.pressing.press import readings_anywhere
+
+    patch = config.patch
+    with report.compilation(quiet=as_json):
+        stamp = _stamp()
+        true = sf.simulate.press(config.layer, [stamp], extent=26e-3, cell=0.25e-3)
+        clean = readings_anywhere(true, patch.pad_diameter, quantity, spacing=0.5e-3)
+        images = sf.ContactImages(config.reconstructor())
+        rng, shown = np.random.default_rng(seed), []
+        for count, pose in enumerate(_path(SHOWN[-1], patch.pitch), start=1):
+            cos, sin = np.cos(pose[2]), np.sin(pose[2])
+            places = (patch.plane - pose[:2]) @ np.array([[cos, -sin], [sin, cos]])
+            noise = rng.normal(scale=np.asarray(config.noise_std), size=len(patch))
+            images.update(clean(places) + noise, poses=pose)
+            if count in SHOWN and images.images:
+                shown.append(images.images[0])
+    area = true.contact_area
+    rows = [
+        {"readings": each.readings, "overlap": _overlap(each, stamp), "area_m2": each.area,
+         "true_area_m2": area, "force_N": each.force, "true_force_N": true.force}
+        for each in shown
+    ]  # fmt: skip
+    if picture is not None:
+        _draw_images(shown, true.outline, picture)
+    lines = [report.table_of("A stamp, moved within a pitch of the taxels", rows, SHARPENING)]
+    report.finish(as_json, {"images": rows, "picture": picture}, [picture], iter(lines))
+
+
+def _stamp() -> "HeightMap":
+    """The letter R of flat strokes."""
+    from skinfield.simulate import HeightMap
+
+    axis = np.arange(-11e-3, 11e-3, PIXEL) + PIXEL / 2
+    x, y = np.meshgrid(axis, axis)
+    inside = np.zeros(x.shape, np.bool_)
+    for start, end in STAMP:
+        (ax, ay), (bx, by) = np.multiply(start, 1e-3), np.multiply(end, 1e-3)
+        along = ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2)
+        along = np.clip(along, 0.0, 1.0)
+        away = np.hypot(x - ax - along * (bx - ax), y - ay - along * (by - ay))
+        inside |= away <= STROKE / 2
+    heights = np.where(inside, 0.0, np.nan)
+    return HeightMap(heights=heights, pixel=PIXEL, force=STAMP_FORCE)
+
+
+def _path(count: int, pitch: float) -> Floats:
+    """Poses (count, 3) of a body that sways over a pitch, and turns a little to and fro."""
+    turn = np.linspace(0.0, 2 * np.pi, count, endpoint=False)
+    places = pitch / 2 * np.column_stack([np.cos(2 * turn), np.sin(3 * turn)])
+    return np.column_stack([places, 0.3 + 0.2 * np.sin(turn)])
+
+
+def _overlap(image: "ContactImage", stamp: "HeightMap") -> float:
+    """Intersection of outline and stamp over their union."""
+    from scipy.interpolate import RegularGridInterpolator
+
+    axis = np.arange(-13e-3, 13e-3, PIXEL) + PIXEL / 2
+    x, y = np.meshgrid(axis, axis)
+    rows, columns = image.body_positions[:, 0, 1], image.body_positions[0, :, 0]
+    pressure = RegularGridInterpolator((rows, columns), image.pressure, "linear", False, 0.0)
+    found, true = pressure((y, x)) >= image.level, np.isfinite(stamp.height(x, y))
+    return float((found & true).sum() / (found | true).sum())
+
+
+def _draw_images(images: list["ContactImage"], outline: list[Floats], path: str) -> None:
+    """Draw images beside each other, with the true outline."""
+    from skinfield.plot import BLUE, new_figure, save, style
+
+    with style():
+        figure = new_figure(4.6 * len(images), 4.4)
+        for axes, image in zip(figure.subplots(1, len(images)), images, strict=True):
+            image.plot(axes)
+            for line in outline:
+                axes.plot(*line.T * 1e3, color=BLUE, lw=1.2, ls=(0, (3, 2)))
+        figure.subplots_adjust(0.05, 0.12, 0.93, 0.86, 0.42)
+        figure.axes[0].annotate("dashed: truth", (0.98, 0.02), xycoords="axes fraction",
+                                ha="right", color=BLUE, fontsize=8)  # fmt: skip
+        save(figure, path)
 
 
 def _latency(
