@@ -103,7 +103,7 @@ def test_first_press_runs_and_finds_both_balls(capsys: pytest.CaptureFixture[str
 @pytest.mark.parametrize(
     ("page", "snippets"),
     [
-        ("contacts", 1), ("uncertainty", 1), ("track", 1), ("design", 1),
+        ("contacts", 1), ("uncertainty", 1), ("track", 2), ("design", 1),
         ("batch", 2), ("icub", 1), ("packet", 1), ("cyskin", 2), ("hardware", 2), ("settings", 1),
     ],
 )  # fmt: skip

@@ -462,10 +462,8 @@ def without(kind: np.dtype[Any], *names: str) -> np.dtype[Any]:
     return np.dtype([field for field in kind.descr if field[0] not in names])
 
 
-OLDER = CycleLayout(
-    without(ROWS.contact, "shape", "maybe", "radius", "covariance", "area_std"),
-    without(ROWS.patch, "readings"),
-)
+YOUNG = "shape", "maybe", "radius", "covariance", "area_std", "shear", "shear_covariance"
+OLDER = CycleLayout(without(ROWS.contact, *YOUNG), without(ROWS.patch, "readings"))
 
 
 def test_what_older_rows_lack_is_not_known(tmp_path: Path) -> None:

@@ -105,10 +105,10 @@ def test_a_ring_in_a_strip_is_drawn_within_its_memory() -> None:
 
 def test_a_wide_atom_is_divided_among_the_strips_that_it_reads_for() -> None:
     strips, drawing = Strips.of(PLACES, THICKNESS), Drawing.of(4)
-    drawing.atoms[0] = 5.0 * PITCH, 2.5 * PITCH, 3.0, 0.02, 0.0, 0.0
+    drawing.atoms[0, :4] = 5.0 * PITCH, 2.5 * PITCH, 3.0, 0.02
     strips.middle[:2] = [(5.0 * PITCH / THICKNESS, y * PITCH / THICKNESS, 1.0) for y in (2.0, 5.0)]
     strips.middle[1, 2] = 0.5
-    drawing.covariance[0] = np.eye(6)
+    drawing.covariance[0] = np.eye(8)
     assert divide.py_func(drawing, strips, 0, THICKNESS, 1) == 0  # type: ignore[attr-defined]
     assert divide.py_func(drawing, strips, 1, THICKNESS, 1) == 1  # type: ignore[attr-defined]
     assert drawing.atoms[:2, 2] == pytest.approx([2.0, 1.0])

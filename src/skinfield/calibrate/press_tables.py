@@ -117,7 +117,7 @@ def kept_table(physics: Physics) -> Tables:
     file = folder / f"{hashlib.sha256(repr(physics).encode()).hexdigest()[:16]}.npz"
     with suppress(OSError, ValueError, KeyError, EOFError), np.load(file) as known:
         arrays = [known[name] for name in Tables._fields]
-        return Tables(*arrays[:3], *(float(each) for each in arrays[3:]))
+        return Tables.of(arrays)
     made = tabulate(physics, (BALL,), BOUNDS)
     with suppress(OSError):
         part = file.with_suffix(f".{id(made)}.npz")

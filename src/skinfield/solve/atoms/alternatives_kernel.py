@@ -343,7 +343,7 @@ def applies(memory: FitMemory, index: int, kind: int, odd: bool) -> bool:
     long, ring = is_long(memory.atoms[NOW, index]), memory.family[NOW, index] == RING
     sheared = is_sheared(memory.atoms[NOW, index])
     if kind == SHEARED:
-        return bool(not sheared and memory.room.shear.shape[1] > 0)
+        return bool(odd and not sheared and memory.room.shear.shape[1] > 0)
     if kind == PLAIN:
         return sheared
     if kind <= A_RING:

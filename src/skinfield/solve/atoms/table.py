@@ -290,6 +290,12 @@ class Tables(NamedTuple):
     sight: float
     pad_radius: float
 
+    @classmethod
+    def of(cls, arrays: Sequence[Floats]) -> "Tables":
+        """Of arrays in the order of the attributes, those of one number without a dimension."""
+        coefficients, strain, curvature, shear, *numbers = arrays
+        return cls(coefficients, strain, curvature, shear, *(float(each) for each in numbers))
+
 
 def log_radii(smallest: float, largest: float, step: float) -> Floats:
     """Nodes of ln(a/h), with `MARGIN` more at each end."""
@@ -308,7 +314,7 @@ def atom_tables(physics: Physics) -> Tables:
     try:
         with np.load(file) as known:
             arrays = [known[name] for name in Tables._fields]
-        return Tables(*arrays[:4], *(float(each) for each in arrays[4:]))
+        return Tables.of(arrays)
     except (OSError, ValueError, KeyError, EOFError, BadZipFile):
         made = tabulate(physics)
     with suppress(OSError):
