@@ -85,6 +85,29 @@ def test_what_rests_stays_while_taxels_drift() -> None:
     assert np.abs(left - touch).max() < NOISE < 0.2 * np.abs(ramp[-1]).max()
 
 
+def test_rests_are_known_no_worse_while_something_is_held() -> None:
+    rng, touch, drift = np.random.default_rng(4), pattern(), drift_of()
+    noise = rng.normal(0.0, NOISE, (int(60 * RATE), len(PATCH)))
+    idle = int(20 * RATE)
+    follow(drift, noise[:idle])
+    follow(drift, touch + noise[idle:], touch)
+    assert drift.rest[touch < 0.5 * NOISE].std() < 0.12 * NOISE
+    assert np.abs(drift.rest).max() < 0.4 * NOISE
+
+
+def test_a_reading_is_learnt_from_once() -> None:
+    drift, every, rng = drift_of(), np.ones(72, np.bool_), np.random.default_rng(5)
+    follow(drift, rng.normal(0.0, NOISE, (100, 72)))
+    stamp, reading = int(drift._stamps[0]) + STEP_NS, np.full(72, NOISE)
+    drift.take(reading, stamp)
+    drift.learn(every, stamp)
+    once = drift.rest.copy()
+    for _ in range(3):
+        drift.take(reading, stamp)
+        drift.learn(every, stamp)
+    np.testing.assert_array_equal(drift.rest, once)
+
+
 def test_a_touch_that_grows_or_moves_is_no_drift() -> None:
     rng, touch = np.random.default_rng(3), pattern()
     drift, readings = drift_of(), int(20 * RATE)

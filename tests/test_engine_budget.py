@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.reconstruct.engine.engine import measure, prefer
+from skinfield.reconstruct.engine.state import FEASIBLE, IDLE, LINEAR, MISSING
 
 
 @given(hot=st.sets(st.integers(0, 5)), budget=st.floats(20e-6, 2e-3))
@@ -60,6 +61,20 @@ def test_a_small_budget_is_spread_over_contacts_and_the_rest_is_told() -> None:
     assert all("more iterations: no time" in each for each in report.skipped[:2])
     assert all("search: no time" in each for each in report.skipped[2:])
     assert not report.overrun
+
+
+def test_what_one_cycle_has_no_time_for_the_next_goes_on_with() -> None:
+    engine = engine_of(5, 300e-6)
+    engine.run(np.concatenate(list(readings_of(engine, {0, 1, 4}).values())))
+    answers = engine.results.answer.copy()
+    assert sorted(answers.tolist()) == [IDLE, IDLE, LINEAR, FEASIBLE, FEASIBLE]
+    assert engine.go_on()
+    assert engine.results.answer[answers == LINEAR] == FEASIBLE  # it waited longest
+    assert set(engine.results.answer[answers == IDLE]) == {MISSING}  # there is nothing to search
+    for _ in range(60):
+        if not engine.go_on():
+            break
+    assert not engine.go_on()  # as all came to an end
 
 
 def test_one_disturbance_of_its_start_costs_an_engine_nothing() -> None:

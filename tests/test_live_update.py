@@ -83,6 +83,41 @@ def test_a_press_is_found_where_it_is(made) -> None:
     assert 0.99 * slot.patches["force"][0] < whole < 1.6 * slot.patches["force"][0]
 
 
+def test_a_press_without_time_is_found_in_cycles_without_a_reading(made) -> None:
+    later = NOW + 10**12  # all before is forgotten
+    channels, slot = Channels(72), CycleSlot.empty(made.sizes)
+    channels.apply(fed(pressed_counts(1.0), later))
+    assert made.answer(channels, later, slot, reset=True, budget=1e-6)
+    assert slot.patches["answer"][0] == int(Answer.LINEAR)
+    assert made.unfinished(later + 5 * 10**8) == {}  # not for long
+    assert made.unfinished(later + 3 * 10**9) == {made.engine.names[0]: 3}
+    channels.apply(fed(pressed_counts(1.0)[:36], later + 10**6))  # half of the next reading
+    assert not made.answer(channels, later + 10**6, slot, budget=1.0)
+    assert slot.patches["answer"][0] == int(Answer.CONTACTS)
+    assert slot.patches["stamp_ns"][0] == later
+    assert_allclose(slot.used_contacts()[0]["position"][:2], (0.0, 7.5e-3), atol=2e-3)
+    assert made.unfinished(later + 3 * 10**9) == {}
+
+
+def test_what_an_unfinished_search_has_not_found_is_no_drift(
+    updater: Updater, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pressed, run, settled = pressed_counts(1.0), updater.engine.run, updater.engine.results.settled
+
+    def unfinished(*args, **known):
+        run(*args, **known)
+        settled[:] = False
+
+    before = updater._drift.known
+    with monkeypatch.context() as patched:
+        patched.setattr(updater.engine, "run", unfinished)
+        slot = answered(updater, np.tile(pressed, (2, 1)))[-1]
+        assert slot.patches["answer"][0] == int(Answer.CONTACTS)
+        assert_array_equal(updater._drift.known, before)
+    answered(updater, np.tile(pressed, (2, 1)), first=2)
+    assert (updater._drift.known != before).any()
+
+
 def test_half_a_reading_waits_for_the_other_half_but_not_for_ever(made) -> None:
     channels, slot = Channels(72), CycleSlot.empty(made.sizes)
     channels.apply(fed(np.full(72, 240), NOW))

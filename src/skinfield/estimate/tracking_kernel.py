@@ -81,7 +81,8 @@ def track(memory: TrackMemory, count: int, now: int) -> None:
             known.column = known.pair
         waits = known.state != TENTATIVE and words[NOW] - known.last <= rule.coast_ns
         if known.column >= 0:
-            known.last, known.readings = words[NOW], known.readings + 1
+            again = known.last == words[NOW] and known.readings > 0  # a better answer of a reading
+            known.last, known.readings = words[NOW], known.readings + (0 if again else 1)
         elif known.state != ABSORBED and not waits:
             end_track(memory, place, -1)
     for place in range(words[TOP]):

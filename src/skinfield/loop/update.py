@@ -62,7 +62,8 @@ def go_on_from(slot: CycleSlot, contacts: SkinContacts) -> None:
         each.begin_from(its[: row["contacts"]], int(row["stamp_ns"]))
 
 
-CONTACT_WORDS, IDLE, FOUND = CONTACT.itemsize // 8, int(Answer.IDLE), int(Answer.CONTACTS)
+CONTACT_WORDS = CONTACT.itemsize // 8
+MISSING, IDLE, FOUND = int(Answer.MISSING), int(Answer.IDLE), int(Answer.CONTACTS)
 
 
 DOUBT = 2.0  # times less noise there may be than was found: it is what smooths rounding
@@ -103,7 +104,7 @@ class Updater:
         self._given, self._lacking = np.zeros(taxels, np.bool_), np.zeros(taxels)
         self._plane = np.concatenate([patch.plane for patch in model_config.skin])
         self._sides = np.array(model_config.rungs, np.int64)
-        self._newest, self._arrived = np.zeros((2, patches), np.int64)
+        self._newest, self._arrived, self._searched = np.zeros((3, patches), np.int64)
         self._conditioned: tuple[Any, ...] = (
             *(self._binding.starts, self._values, self._valid, self._given),
             *(self._lacking, self._newest, self._arrived),
@@ -239,6 +240,8 @@ class Updater:
     ) -> bool:
         """Answer the patches that have a new reading; all others keep their answer and its stamp.
 
+        Where no patch has one, the search goes on in the last readings that it was not done with.
+
         Parameters
         ----------
         channels : Channels
@@ -273,6 +276,9 @@ class Updater:
             if self._window is not None:
                 self._attend(*self._window)
             self._run(budget)
+            np.copyto(self._searched, self._newest, where=self._arrived > 0)
+        else:
+            self._search_further(budget)
         self._take_answers(now_ns)
         head[CycleHead.CONTACTS] = self._kernel.sum_up(
             kept.patches, kept.contacts, int(self.tracks[0])
@@ -299,6 +305,13 @@ class Updater:
             self._run_by_means(left, budget)
         np.equal(self.engine.results.answer, IDLE, out=self._idle)
         self._drift.learn_idle(self._given, self._idle, self._newest)
+
+    def _search_further(self, budget: float | None) -> None:
+        """Spend a cycle without a reading on answers of the last ones that want for time."""
+        if self.engine.go_on(budget=budget):
+            np.greater(self.engine.results.answer, MISSING, out=self._idle)
+            np.copyto(self._arrived, self._idle)
+            np.copyto(self._newest, self._searched, where=self._idle)
 
     def _run_by_means(self, left: Floats, budget: float | None) -> None:
         """Answer readings less their rest; of what rests, by their mean."""

@@ -2,9 +2,11 @@
 
 The rest of a taxel wanders, by temperature and by an elastomer that creeps, slower than a touch
 comes. What it reads beside what touches is its rest and noise: the rest is a random walk that is
-followed by a Kalman filter (Kalman 1960, Journal of Basic Engineering 82, 35-45), a scalar for each
+followed by a Kalman filter (Kalman 1960, Journal of Basic Engineering 82, 35-45), one for each
 taxel, as noise is independent. What touches is what contacts explain, as far as their model is
 right; and what rests on the skin goes on being read as it is, so that what changes slowly is drift.
+What it is read as is then a constant of the same filter: it is known ever better, and its error
+does not become one of the rest.
 A change that is too fast for one is another touch. Jumps are drawn in (Huber 1964, Annals of
 Mathematical Statistics 35, 73-101): they move nothing.
 """
@@ -23,7 +25,7 @@ USUAL = 0.02  # s between readings that have no stamps
 BACK_NS = 1_000_000_000  # by which a stamp must be older for all to begin anew
 LONGEST = 3600.0  # s: after a longer pause, a rest is as uncertain as after this
 JUMP = 3.0  # deviations from which on an innovation is drawn in
-SETTLED = 25  # readings whose mean is the pattern of what rests
+SETTLED = 25  # readings whose mean is the pattern of what rests, at first
 RECENT = 0.1  # weight of a reading in the mean of the recent ones, by which changes are told
 CHANGE = 5.0  # deviations of the sum of squares, from which on a pattern has changed
 READ = 2.0  # deviations from which on a taxel is one of a pattern
@@ -31,6 +33,7 @@ LASTING = 10  # readings after which another number of contacts is believed
 LAG = 1.0  # deviations by which rests may be behind their drift
 
 Flags = NDArray[np.bool_]
+State = tuple[Floats, Floats, Floats, Floats, Floats, Floats, Ints]
 
 
 @njit
@@ -66,7 +69,7 @@ def has_changed(
 @inner
 def seconds_since(before_ns: int, stamp_ns: int) -> float:
     """From one reading to the next; as usual, where there is none before or no stamp."""
-    return 1e-9 * (stamp_ns - before_ns) if before_ns and stamp_ns != before_ns else USUAL
+    return 1e-9 * (stamp_ns - before_ns) if before_ns and stamp_ns else USUAL
 
 
 @inner
@@ -85,7 +88,7 @@ def follow_rest(
     contacts: int,
     stamp_ns: int,
     before_ns: Ints,
-    state: tuple[Floats, Floats, Floats, Floats, Ints],
+    state: State,
 ) -> None:
     """Take a reading (L,), less the rest as it was, into the rest and its variance.
 
@@ -106,10 +109,11 @@ def follow_rest(
     stamp_ns, before_ns : int and (1,) array, ns
         Of this reading, and of the one before, which becomes this one.
     state : tuple of arrays
-        Rest and variance; what is held and how far recent readings are from it; how many readings
-        are held, of how many contacts, and for how many readings there were others.
+        Rest and variance; what is held, its variance, and what it shares with the rest's; how far
+        recent readings are from it; how many readings are held, of how many contacts, and for how
+        many readings there were others.
     """
-    rest, variance, held, recent, marks = state
+    rest, variance, held, unsure, shared, recent, marks = state
     wrong = 0.0
     if contacts > 0 or marks[0] > 0:
         marks[2] = marks[2] + 1 if marks[1] != contacts else 0
@@ -123,22 +127,32 @@ def follow_rest(
             if valid[taxel]:
                 held[taxel] += (left[taxel] - held[taxel]) / marks[0]
             wrong = max(wrong, abs(predicted[taxel]))
+            unsure[taxel] = noise[taxel] * noise[taxel] / marks[0] + variance[taxel]
+            shared[taxel] = -variance[taxel]
     rests, seconds = marks[0] == SETTLED, seconds_since(before_ns[0], stamp_ns)
     before_ns[0] = stamp_ns
     walk, wrong = min(max(seconds, 0.0), LONGEST) * USUAL / FOLLOWED**2, (misfit * wrong) ** 2
     for taxel in range(len(rest)):
         own = noise[taxel] * noise[taxel]
-        variance[taxel] += walk * own
+        reads = rests and abs(held[taxel]) > READ * noise[taxel]
+        variance[taxel] += walk * own / (UNDER * UNDER if reads else 1.0)
         if not valid[taxel]:
             continue
-        expected, unsure = predicted[taxel], own + wrong
         if rests:
-            expected = held[taxel]
-            unsure *= UNDER**2 if abs(expected) > READ * noise[taxel] else 1.0
-        total = variance[taxel] + unsure
-        most, gain = JUMP * np.sqrt(variance[taxel] + own + wrong), variance[taxel] / total
-        rest[taxel] = draw_near(rest[taxel], gain, left[taxel] - expected, most)
-        variance[taxel] *= 1.0 - gain
+            alone, both = variance[taxel] + shared[taxel], shared[taxel] + unsure[taxel]
+            total = alone + both + own
+            off, most = left[taxel] - held[taxel], JUMP * np.sqrt(total)
+            rest[taxel] = draw_near(rest[taxel], alone / total, off, most)
+            held[taxel] = draw_near(held[taxel], both / total, off, most)
+            variance[taxel] -= alone * alone / total
+            shared[taxel] -= alone * both / total
+            unsure[taxel] -= both * both / total
+        else:
+            total = variance[taxel] + own + wrong
+            off, most = left[taxel] - predicted[taxel], JUMP * np.sqrt(total)
+            gain = variance[taxel] / total
+            rest[taxel] = draw_near(rest[taxel], gain, off, most)
+            variance[taxel] *= 1.0 - gain
 
 
 @njit
@@ -151,7 +165,7 @@ def follow_idle(
     starts: Ints,
     stamps: Ints,
     stamps_before: Ints,
-    state: tuple[Floats, Floats, Floats, Floats, Ints],
+    state: State,
 ) -> None:
     """`follow_rest` of all patches that nothing touches, as `idle` (P,) says.
 
@@ -166,11 +180,12 @@ def follow_idle(
     state : tuple of arrays
         Of all patches.
     """
-    rest, variance, held, recent, marks = state
+    rest, variance, held, unsure, shared, recent, marks = state
     for patch in range(len(idle)):
         if idle[patch]:
             a, b = starts[patch], starts[patch + 1]
-            own = rest[a:b], variance[a:b], held[a:b], recent[a:b], marks[patch]
+            first, second = (rest[a:b], variance[a:b], held[a:b]), (unsure[a:b], shared[a:b])
+            own = *first, *second, recent[a:b], marks[patch]
             parts = left[a:b], valid[a:b], noise[a:b], nothing[a:b]
             before = stamps_before[patch : patch + 1]
             follow_rest(*parts, 0.0, 0, stamps[patch], before, own)
@@ -197,9 +212,10 @@ class Drift:
     def __init__(self, noise_std: Floats, starts: Ints | None = None) -> None:
         self.noise_std = np.array(noise_std, np.float64)
         self._starts = np.array([0, len(noise_std)]) if starts is None else starts
-        patches, rows = len(self._starts) - 1, np.zeros((6, len(self.noise_std)))
-        self.rest, self.variance, held, recent, self._left, self._nothing = rows
-        self._state = self.rest, self.variance, held, recent, np.zeros((patches, 3), np.int64)
+        patches, rows = len(self._starts) - 1, np.zeros((8, len(self.noise_std)))
+        self.rest, self.variance, *pattern, self._left, self._nothing = rows
+        marks = np.zeros((patches, 3), np.int64)
+        self._state: Any = (self.rest, self.variance, *pattern, marks)
         self._stamps = np.zeros(patches, np.int64)
         self._parts = [self._part(patch) for patch in range(patches)]
 
@@ -236,8 +252,13 @@ class Drift:
         contacts: int = 0,
         patch: int = 0,
     ) -> None:
-        """Follow the rest by what was taken last and the contacts in it; see `follow_rest`."""
+        """Follow the rest by what was taken last and the contacts in it; see `follow_rest`.
+
+        A reading that was learnt from, by its stamp, is not again.
+        """
         left, noise, nothing, before, state = self._parts[patch]
+        if stamp_ns and stamp_ns == before[0]:
+            return
         explained = nothing if predicted is None else predicted
         follow_rest(left, valid, noise, explained, misfit, contacts, stamp_ns, before, state)
 

@@ -324,6 +324,22 @@ class Engine:
         self._work.intake.take_flat(readings, valid, deviation)
         self._run(start)
 
+    def go_on(self, *, budget: float | None = None) -> bool:
+        """Search further in the last readings; returns whether any patch was left to search.
+
+        Those are patches that something touches, and whose search was not begun, or not ended, for
+        want of time. All others are missing from the `results`.
+
+        Parameters
+        ----------
+        budget : float, s, optional
+        """
+        work = self._work
+        if not work.waits():
+            return False
+        self._run(self._begin(budget))
+        return True
+
     @property
     def notes(self) -> dict[str, list[str]]:
         """What searches said of the readings of each patch, by its name, where it lasts."""

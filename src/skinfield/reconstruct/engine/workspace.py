@@ -8,7 +8,7 @@ import numpy as np
 from skinfield.errors import Ints
 from skinfield.reconstruct.engine.intake import EngineReadings
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup
-from skinfield.reconstruct.engine.state import IDLE, NS, EngineState
+from skinfield.reconstruct.engine.state import IDLE, LINEAR, NS, EngineState
 
 
 class Clockwork:
@@ -105,6 +105,16 @@ class Clockwork:
         if intake.how > 1:
             intake.linearise()
         intake.all_valid = self.kernel.open_cycle(*self._opened)
+
+    def waits(self) -> bool:
+        """Have only those patches be answered that more time for the same readings is for."""
+        state = self.state
+        np.greater_equal(state.answer, LINEAR, out=self._idle)
+        np.greater(self._idle, state.settled, out=self._idle)
+        if not self._idle.any():
+            return False
+        np.copyto(self.intake.present, self._idle)
+        return True
 
     def close(self) -> None:
         """Remember which patches wait for a search."""

@@ -127,7 +127,6 @@ FINER = 0.25  # part of the inferred one, at which more of them are sought
 FINER_GAIN = 0.5  # ln odds by which what that finds is chosen where it takes several readings
 STRONG = 20.0  # deviations of a reading, from which the model may be what is wrong
 LARGEST = 0.2  # model error, from which on contacts explain nothing
-AGAIN = 50  # readings for which contacts explain nothing, before they are sought afresh
 ROUNDS = 5  # of searches, until the noise is as what is left over
 RISE, FALL = 1.5, 3.0  # of the readings' squares over the noise: then shapes are compared again
 WORSE = 2.0  # times a model error, from which sets of atoms are compared at once
@@ -179,10 +178,6 @@ def search_round(fit: Fit, error: float, common: float, resume: bool, deadline: 
         if step == 1.0 or own.marks[TURN] >= ROUNDS:
             infer(fit, common)
             return True
-        if not (step < 1.0 and own.numbers[SCALE] <= 1.0):
-            if own.marks[STAGE] == SEEKING:
-                set_aside(fit)  # an answer, should the time be up
-            memory.counts[NOW] = 0
         own.numbers[SCALE] *= step
 
 
@@ -394,10 +389,7 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
     explained = explains(fit)
     marks[HOPELESS] = marks[HOPELESS] and not explained
     if marks[STAGE] == RESTING and not (explained or marks[HOPELESS]):
-        scale = noise_scale(fit)
-        if scale != 1.0:
-            numbers[SCALE] *= scale
-            memory.counts[NOW] = 0
+        numbers[SCALE] *= noise_scale(fit)
         begin_comparison(fit, numbers[MISFIT], False)
         return
     if memory.marks[LATE]:
@@ -412,15 +404,9 @@ def follow(fit: Fit, energy: float, common: float, deadline: int) -> None:
             elif not (like and explained) or may_gain(fit):
                 begin_comparison(fit, numbers[MISFIT], False)
                 marks[GRADUAL] = like and explained
-        elif numbers[MISFIT] > LARGEST:
-            marks[TURN] += 1
-            if marks[TURN] > AGAIN:
-                begin_afresh(fit)
-        if scale < 1.0 and numbers[SCALE] <= 1.0:
-            numbers[SCALE] *= scale
-        elif scale != 1.0:
-            numbers[SCALE] *= scale
-            memory.counts[NOW] = 0
+        quiet = scale < 1.0 and numbers[SCALE] <= 1.0
+        numbers[SCALE] *= scale
+        if scale != 1.0 and not quiet:
             begin_comparison(fit, numbers[MISFIT], False)
             return
     elif marks[GRADUAL] and not explained:
