@@ -233,6 +233,30 @@ def test_an_update_says_whether_forces_are_newtons(relative: bool, unit: str) ->
     assert snapshot["hexagon72"].relative is relative
 
 
+@pytest.mark.parametrize(("std", "sure"), [(0.05, True), (0.4, False), (np.nan, False)])
+def test_a_force_along_the_skin_is_told_where_it_is_beyond_its_noise(
+    std: float, sure: bool
+) -> None:
+    source = StillSource()
+    source.read(1.0)
+    snapshot = source.latest()
+    assert snapshot is not None
+    snapshot.contacts["shear"] = (0.3, -0.4, 0.0)
+    snapshot.contacts["shear_covariance"] = (std**2, 0.0, std**2)
+    truth = {"id": "a", "patch": "hexagon72", "x": 0.0, "y": 0.0, "force": 1.0, "shape": "ball",
+             "radius": 6e-3, "contact_radius": 2e-3, "shear": [0.0, 0.5]}  # fmt: skip
+    *_, message = Updates(SceneLayout((source,))).make(1, [EngineView(snapshot)], [truth])
+    head, _ = unpacked(message)
+    [contact], [press] = head["contacts"], head["truth"]
+    assert_allclose(press["shear"]["vector"], [0.0, 0.5, 0.0], atol=1e-9)
+    if not sure:
+        assert contact["shear"] is None
+        return
+    assert_allclose(contact["shear"]["vector"], [0.3, -0.4, 0.0], atol=1e-9)
+    told = [contact["shear"][name] for name in ("size", "std", "angle")]
+    assert_allclose(told, [0.5, std, np.arctan2(-0.4, 0.3)])
+
+
 def test_contacts_outlast_a_pause_of_readings_and_say_how_old_they_are(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -77,6 +77,8 @@ export function checkUpdate({ head, arrays }) {
     need(isCount(place.patch), "a contact without patch");
     need(isVector(place.position) && isVector(place.normal), "a contact without place");
     need(Number.isFinite(place.force), "a contact without force");
+    place.shear ??= null;
+    need(place.shear === null || isShear(place.shear), "a force along the skin without its numbers");
   }
   for (const contact of head.contacts) {
     contact.outline ??= [];
@@ -96,6 +98,10 @@ function checkPatch(patch, arrays) {
   }
   patch.height_zero ??= 0;
   need(isCount(patch.height_zero), "heights without the one of skin at rest");
+}
+
+function isShear({ size, angle, vector }) {
+  return [size, angle].every(Number.isFinite) && isVector(vector);
 }
 
 function need(holds, what) {

@@ -116,6 +116,8 @@ test("an update has its lists, and what they name is there", () => {
     { contacts: [{ ...place, position: [0, 0, null] }] },
     { contacts: [{ ...place, force: "1" }] },
     { contacts: [{ ...place, outline: [[0, 0]] }] },
+    { contacts: [{ ...place, shear: { size: 1, angle: 0, vector: [0, 1] } }] },
+    { truth: [{ ...place, shear: { size: null, angle: 0, vector: [0, 1, 0] } }] },
     { truth: [{ ...place, patch: -1 }] },
   ]) {
     assert.throws(() => checkUpdate(decode(update(bad, colour))), WireError, JSON.stringify(bad));

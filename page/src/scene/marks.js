@@ -26,6 +26,14 @@ const EDGE_PX = 6; // from the picture's border, within which no arrow begins
 
 const colour = (text) => new THREE.Color(text);
 
+/** Unit vector against a force onto the skin: along its normal, or leaning by what pushes along it. */
+function against(normal, force, shear) {
+  if (!shear || !(force > 0)) return normal;
+  const whole = normal.map((value, axis) => force * value - shear.vector[axis]);
+  const size = Math.hypot(...whole);
+  return whole.map((value) => value / size);
+}
+
 export class Marks {
   /** @param {import("./patches.js").Patches} patches */
   constructor(patches) {
@@ -118,10 +126,17 @@ export class Marks {
       title: `${forceWords(contact)} ${this.unit}${maybe}`,
       aside: truth && view.width >= NARROW ? `truth ${fixed(truth.force, 2)}` : "",
       second: this.theme.truth,
-      detail: this.brief ? "" : `#${contact.track}  ${old ? (contact.seen ?? "not of now") : this.#where(contact)}${truth && !old ? `, ${fixed(1e3 * error_m)} off` : ""}`,
+      detail: this.brief ? "" : this.#detail(contact, truth && !old ? error_m : NaN),
       accent: old ? this.theme.muted : this.theme.contact,
       side: 1,
     });
+  }
+
+  /** Below a contact's force: its track, place and force along the skin, and how far from the truth it is. */
+  #detail({ track, old, seen, shear, ...place }, off) {
+    if (old) return `#${track}  ${seen ?? "not of now"}`;
+    const words = [`#${track}  ${this.#where(place)}`, shear && `${fixed(shear.size, 2)} ${this.unit} along`, Number.isFinite(off) && `${fixed(1e3 * off)} off`];
+    return words.filter(Boolean).join(", ");
   }
 
   #truth(press, view) {
@@ -226,8 +241,8 @@ export class Marks {
     const [bx, by] = this.#pixel(tail, view);
     for (let part = 0; part < 4; part += 1) {
       const [x, y] = [ax + ((part + 0.5) / 4) * (bx - ax), ay + ((part + 0.5) / 4) * (by - ay)];
-      const tall = Math.max(10, Math.abs(by - ay) / 4);
-      this.kept.push({ x: x - 7, y: y - tall / 2, width: 14, height: tall, light: true });
+      const [wide, tall] = [Math.max(14, Math.abs(bx - ax) / 4), Math.max(10, Math.abs(by - ay) / 4)];
+      this.kept.push({ x: x - wide / 2, y: y - tall / 2, width: wide, height: tall, light: true });
     }
   }
 
@@ -246,13 +261,14 @@ export class Marks {
   }
 
   /** Where an arrow begins: inside the picture, if its tip is. */
-  #tail({ position, normal }, { patch, force }, view) {
+  #tail({ position, normal }, { patch, force, shear }, view) {
     // On a small patch of a large skin, an arrow of the patch's own size
     const side = this.patches.all.get(patch)?.about.side || this.size;
-    const long = arrowLength(force, Math.min(this.size, 1.8 * side));
+    const long = arrowLength(Math.hypot(force, shear?.size ?? 0), Math.min(this.size, 1.8 * side));
     const { tail } = this;
+    const back = against(normal, force, shear);
     for (const part of [1, 0.85, 0.7, 0.55, 0.4]) {
-      tail.set(...position).addScaledVector(this.seen.set(...normal), part * long);
+      tail.set(...position).addScaledVector(this.seen.set(...back), part * long);
       const [x, y] = this.#pixel(tail, view);
       if (x > EDGE_PX && y > EDGE_PX && x < view.width - EDGE_PX && y < view.height - EDGE_PX) break;
     }

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats, InputError
 from skinfield.estimate import Estimate
 from skinfield.estimate.contact_table import RELATIVE
-from skinfield.estimate.row_contacts import covariance_of, outline_of, shape_name
+from skinfield.estimate.row_contacts import covariance_of, outline_of, shape_name, shear_of
 from skinfield.loop import Answer
 from skinfield.loop.slots import CycleHead
 from skinfield.loop.snapshot import Snapshot
@@ -47,12 +47,19 @@ def finite(value: Any) -> float | None:
     return found if math.isfinite(found) else None
 
 
+def shear_told(shear: Floats, vector: Floats) -> dict[str, Any]:
+    """A force along the skin by the plane's x and y, and as a vector of the picture, N and rad."""
+    angle = math.atan2(shear[1], shear[0])
+    return {"size": float(np.hypot(*shear)), "angle": angle, "vector": vector.tolist()}
+
+
 Array = NDArray[Any]
 QUANTITIES = {"pressure": "Pa", "deformation": "m", "uncertainty": "Pa", "taxels": ""}
 DEAD = 255  # of a taxel that is left out; others reach 254
 FULL = 254
 LASTS = 5.0  # s for which the last contacts of a patch are shown while no reading comes
 DOUBT = 3.0  # noise deviations of a linear answer's pressure, up to which it has no colour
+SURE = 4.605  # quantile of χ² of two numbers at 0.9: a shear beyond it is shown, others are not
 STRONG = 30.0  # noise deviations that a dot of a taxel is full at, at the least
 
 
@@ -327,6 +334,7 @@ class Updates:
                 "patch": number,
                 "place_cov": [finite(each) for each in covariance_of(row)[[0, 0, 1], [0, 1, 1]]],
                 "shape": shape_name(row),
+                "shear": self._shear(each, row),
                 "radius": finite(row["radius"]),
                 "maybe": int(row["maybe"]),
                 "answer": WORDS[Answer(int(patch["answer"]))],
@@ -343,17 +351,31 @@ class Updates:
             })  # fmt: skip
         return rows
 
+    def _shear(self, each: PlacedPatch, row: Any) -> dict[str, Any] | None:
+        """Force along the skin of a row, where it is more than nine in ten of its noise."""
+        shear, covariance = shear_of(each.patch.surface, row)
+        size, known = float(np.hypot(*shear)), bool(np.isfinite(covariance).all())
+        if not (size > 0.0 and known and np.linalg.det(covariance) > 0.0):
+            return None
+        if shear @ np.linalg.solve(covariance, shear) < SURE:
+            return None
+        std = math.sqrt(shear @ covariance @ shear) / size
+        return shear_told(shear, each.turned(row["shear"][None])[0]) | {"std": std}
+
     def _truth(self, press: Mapping[str, Any]) -> dict[str, Any] | None:
         """A press as the picture shows it; None where its patch is none of the picture's."""
         for number, each in enumerate(self.layout.placed):
             if each.patch.name != press["patch"]:
                 continue
             surface, plane = each.patch.surface, np.array([[press["x"], press["y"]]])
-            normal = surface.frame_from_plane(plane)[:, :, 2]
+            frame = surface.frame_from_plane(plane)[0]
+            shear = np.array(press.get("shear", (0.0, 0.0)))
+            told = shear_told(shear, each.turned((frame[:, :2] @ shear)[None])[0])
             names = ("id", "x", "y", "force", "shape", "radius", "contact_radius")
             return {name: press[name] for name in names} | {
                 "patch": number,
+                "shear": told if shear.any() else None,
                 "position": each.in_scene(surface.position_from_plane(plane))[0].tolist(),
-                "normal": each.turned(normal)[0].tolist(),
+                "normal": each.turned(frame[None, :, 2])[0].tolist(),
             }
         return None
