@@ -55,14 +55,17 @@ from skinfield.wire.packet import PacketKind, encode_command
 SKIN = Skin((by_name("hexagon72"),))
 
 
-@pytest.mark.parametrize(("tool", "share"), [(SceneTool(), 0.1), (SceneTool(3e-3, "flat"), 0.02)])
+@pytest.mark.parametrize(
+    ("tool", "share"),
+    [(SceneTool(), 0.1), (SceneTool(3e-3, "flat"), 0.02), (SceneTool(6e-3, "L"), 0.09)],
+)
 def test_tables_hold_what_a_press_reads(tool, share):
     table = table_for(tool, Layer(), 4e-3)
     force = share * table.highest_force
     made = press(Layer(), [tool.body(force=force)], extent=30e-3, cell=0.5e-3)
     away = np.random.default_rng(0).uniform(-12e-3, 12e-3, (40, 2))
     exact = made.capacitance(away, 4e-3)
-    assert np.abs(table.readings(np.hypot(*away.T), force) - exact).max() < 0.004 * exact.max()
+    assert np.abs(table.readings(away, force) - exact).max() < 0.004 * exact.max()
     assert table.radius_at(force) == pytest.approx(math.sqrt(made.contact_area / math.pi), rel=0.02)
 
 
@@ -89,7 +92,8 @@ def test_a_table_says_what_it_holds():
     with pytest.raises(InputError, match=r"force is 2 N, expected above 0 and at most 1 N"):
         table.check_force(2.0, SceneTool())
     assert table.radius_at(0.25) == pytest.approx(0.5e-3)
-    assert table.readings(np.array([0.0, 1e-4, 1.0]), 1.0).tolist() == [1.0, 1.0, 0.0]
+    places = np.array([[0.0, 0.0], [6e-5, 8e-5], [1.0, 0.0]])
+    assert table.readings(places, 1.0).tolist() == [1.0, 1.0, 0.0]
 
 
 def test_a_track_goes_straight_from_point_to_point():

@@ -48,6 +48,7 @@ export class Marks {
     this.contacts = [];
     this.unit = "N"; // of their forces
     this.truth = [];
+    this.shapes = []; // images of contacts
     this.waiting = []; // presses that are asked for: {id, position, why}
     this.focus = null;
     this.tool = null;
@@ -99,6 +100,7 @@ export class Marks {
     this.corner.draw(view, this.above, this.wanted, this.patches.ruling, this.patches.setView(view.out()));
     const rows = matched(this.contacts, this.truth);
     for (const press of this.truth) this.#truth(press, view);
+    for (const image of this.shapes) this.#shape(image);
     for (const press of this.waiting) this.#waits(press, view);
     for (const row of rows) this.#contact(row, view);
     for (const press of unfound(rows, this.truth)) this.#missed(press, view);
@@ -115,7 +117,7 @@ export class Marks {
 
   #contact({ contact, truth, error_m }, view) {
     const { old } = contact;
-    this.#outline(contact, old ? this.tint.old : this.onSkin.contact);
+    if (!this.shapes.length) this.#outline(contact, old ? this.tint.old : this.onSkin.contact);
     const reach = old ? 0 : this.#uncertainty(contact);
     const place = this.#rest(contact);
     const tail = this.#arrow(place, contact, old ? this.tint.old : this.tint.contact, false, view);
@@ -145,7 +147,26 @@ export class Marks {
     const radius = press.contact_radius || press.radius || 0.002;
     this.#keep(press, radius, view);
     this.#keepArrow(place.position, tail, view);
-    this.#ring(press, radius, this.onSkin.truth, { dashed: true, rest: true });
+    if (press.border) this.#polygon(press, press.border, [press.x, press.y, 0], this.onSkin.truth, { dashed: true });
+    else this.#ring(press, radius, this.onSkin.truth, { dashed: true, rest: true });
+  }
+
+  /** The outline of what touches, from many readings of it. */
+  #shape({ patch, pose, outline }) {
+    for (const line of outline) this.#polygon({ patch }, line, pose, this.onSkin.contact, { width: 2.6 });
+  }
+
+  /** A closed line on the skin at rest, of a body at a place and turn in the patch's plane. */
+  #polygon({ patch }, line, [x, y, turn], tint, look) {
+    if (line.length < 2) return;
+    const [c, s, last] = [Math.cos(turn), Math.sin(turn), line.length - 1];
+    const count = last * (look.dashed ? Math.ceil((2 * EDGE) / last) : 1); // a dashed one has few corners
+    this.#path(count, patch, tint, { width: 2, rest: true, ...look }, (t, out) => {
+      const k = Math.min(Math.floor(t * last), last - 1);
+      const [u, v] = [0, 1].map((axis) => line[k][axis] + (t * last - k) * (line[k + 1][axis] - line[k][axis]));
+      out[0] = x + c * u - s * v;
+      out[1] = y + s * u + c * v;
+    });
   }
 
   /** A press that was not found, or not yet. */

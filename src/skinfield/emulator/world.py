@@ -10,7 +10,7 @@ import numpy as np
 
 from skinfield.elastic import Layer
 from skinfield.emulator.electronics import starts_of
-from skinfield.emulator.press_tables import Key, PressTable, PressTables
+from skinfield.emulator.press_tables import Key, PressTables, ToolTable
 from skinfield.emulator.scenes import BodyPath, CurrentPress, Scene, SceneTool, patch_index
 from skinfield.emulator.transports import Request
 from skinfield.errors import Floats, InputError
@@ -71,7 +71,7 @@ class World:
     def _key(self, patch: int, tool: SceneTool) -> Key:
         return tool, self.skin.patches[patch].pad_diameter
 
-    def _table(self, touch: CurrentPress) -> PressTable | None:
+    def _table(self, touch: CurrentPress) -> ToolTable | None:
         return self._solving.get(self._key(touch.patch, touch.tool))
 
     def touches(self, time: float) -> list[CurrentPress]:
@@ -109,8 +109,7 @@ class World:
             rows = slice(self._starts[touch.patch], self._starts[touch.patch + 1])
             away = self._plane[rows] - (touch.x, touch.y)
             for along, part in touch.tool.parts:
-                distance = np.hypot(away[:, 0] - along, away[:, 1])
-                change[rows] += table.readings(distance, part * touch.force)
+                change[rows] += table.readings(away - (along, 0.0), part * touch.force)
             found.append(replace(touch, contact_radius=table.radius_at(touch.force)))
         return found
 

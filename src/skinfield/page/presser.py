@@ -8,11 +8,13 @@ from typing import Any, NamedTuple, Protocol
 
 from skinfield.errors import InputError, check_choice, check_range
 
-SHAPES = ("ball", "flat", "finger")
+SHAPES = ("ball", "flat", "finger", "L", "T")
 COMMON = {  # radii, m, of tools that are ready before anybody asks for them
     "ball": (5e-3, 10e-3, 20e-3),
     "flat": (3e-3, 6e-3),
     "finger": (10e-3,),
+    "L": (8e-3,),
+    "T": (8e-3,),
 }
 RADII = (1e-3, 20e-3)  # m
 FORCES = (0.05, 5.0)  # N

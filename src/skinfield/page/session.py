@@ -130,6 +130,7 @@ class Session:
         except ConnectionClosed:
             pass
         finally:
+            self._state.shapes.viewers.discard(self._number)
             for task in self._tasks:
                 task.cancel()
             listening.cancel()
@@ -229,13 +230,16 @@ class Session:
         else:
             views, truth = state.controller.views(layout.sources), state.truth
         numbers = [None if s.snapshot is None else s.snapshot.number for s in views]
+        shapes = None
+        if replay is None and self._number in state.shapes.viewers:
+            shapes = state.shapes.newest(layout.sources)
         key = (numbers, [view.old for view in views], truth, updates.quantity)
         if key == self._last and not anyhow:
             return []
         self._last = key
         self._count += 1
         time_s = None if replay is None else replay.time_s
-        return updates.make(self._count, views, truth, time_s)
+        return updates.make(self._count, views, truth, time_s, shapes)
 
     # what it commands
 
@@ -279,6 +283,10 @@ class Session:
             return {}
         if do == "show":
             self._updates.show(command.get("quantity"))
+            return {}
+        if do == "shapes":
+            viewers = state.shapes.viewers
+            (viewers.add if flag(command, "on") else viewers.discard)(self._number)
             return {}
         if do == "replay":
             return await self._replay_command(command)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.emulator.scenes import STAMPS, SceneTool
 from skinfield.errors import Floats, InputError
 from skinfield.estimate import Estimate
 from skinfield.estimate.contact_table import RELATIVE
@@ -16,6 +17,7 @@ from skinfield.estimate.row_contacts import covariance_of, outline_of, shape_nam
 from skinfield.loop import Answer
 from skinfield.loop.slots import CycleHead
 from skinfield.loop.snapshot import Snapshot
+from skinfield.page.contact_shapes import NOT_HERE, ContactShapes
 from skinfield.page.scene_layout import PlacedPatch, SceneLayout
 from skinfield.page.source import OLD, EngineView
 from skinfield.page.timeline import lines, rows_of
@@ -93,6 +95,11 @@ class Parcel:
         return len(self.arrays) - 1
 
 
+def stamp_of(press: Mapping[str, Any]) -> SceneTool | None:
+    """The stamp that presses, if one does."""
+    return SceneTool(press["radius"], press["shape"]) if press["shape"] in STAMPS else None
+
+
 class SeenContacts(NamedTuple):
     """Contacts of a patch's newest reading.
 
@@ -144,6 +151,7 @@ class Updates:
         views: Sequence[EngineView],
         truth: Sequence[Mapping[str, Any]],
         time_s: float | None = None,
+        shapes: Sequence[ContactShapes | None] | None = None,
     ) -> list[bytes]:
         """Messages of one update: geometry that it needs, then the update itself.
 
@@ -157,6 +165,8 @@ class Updates:
             Presses of a virtual skin as it tells them.
         time_s : float, s, optional
             On the time bar of a replay.
+        shapes : sequence of ContactShapes or None, optional
+            As many as the layout has sources: those that make images. Default nobody looks.
         """
         parcel, patches, contacts = Parcel(), [], []
         for place, each in enumerate(self.layout.placed):
@@ -185,11 +195,26 @@ class Updates:
             "old": bool(known) and all(each.old for each in views if each.snapshot is not None),
             "truth": [found for press in truth if (found := self._truth(press)) is not None],
         }
+        if shapes is not None:
+            head["shapes"] = self._shapes(shapes)
         if time_s is not None:
             head["time_s"] = time_s
         else:
             head["rows"] = self._rows(known)
         return [*parcel.geometry, packed(head, parcel.arrays)]
+
+    def _shapes(self, processes: Sequence[ContactShapes | None]) -> dict[str, Any]:
+        """Images of contacts with the numbers of their patches; why there are none, if so."""
+        images: list[dict[str, Any]] = []
+        for number, each in enumerate(self.layout.placed):
+            process = processes[self.layout.sources.index(each.source)]
+            found = () if process is None else process.newest()
+            images += [one | {"patch": number} for one in found if one["patch"] == each.patch.name]
+        there = [each for each in processes if each is not None]
+        why = "" if there else NOT_HERE
+        if there and not any(each.ready for each in there):
+            why = "being prepared"
+        return {"images": images, "why": why}
 
     def _rows(self, known: Sequence[Snapshot]) -> list[str]:
         """Lines of the table of contacts; the time of the first is 0."""
@@ -375,6 +400,7 @@ class Updates:
             return {name: press[name] for name in names} | {
                 "patch": number,
                 "shear": told if shear.any() else None,
+                "border": stamp.border.tolist() if (stamp := stamp_of(press)) else None,
                 "position": each.in_scene(surface.position_from_plane(plane))[0].tolist(),
                 "normal": each.turned(frame[None, :, 2])[0].tolist(),
             }
