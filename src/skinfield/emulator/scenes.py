@@ -22,6 +22,8 @@ STAMPS = {  # flat faces, whose border has these corners, in half heights: strok
         (-0.25, 0.5),
     ),
 }  # fmt: skip
+PUSHED = ("ball", "flat")  # that can be pushed along the skin
+FRICTION = 0.5  # of the force into the skin: up to there they stick
 PIXELS = 80  # of a stamp's height
 SHAPES = ("ball", "flat", *SOFT, *STAMPS)
 FINGER = 10e-3  # m: about that of a fingertip
@@ -56,10 +58,13 @@ class SceneTool:
         A sphere, or the flat end of a cylinder with a rounded edge; or one of the soft fingers of
         real habits, round, oval or with two lobes along the patch's x, as large as the radius is to
         10 mm; or a stamp, upright along the patch's y.
+    pushed : bool
+        Whether what is meant is what a push along the skin adds to its press.
     """
 
     radius: float = FINGER
     shape: str = "ball"
+    pushed: bool = False
 
     def __post_init__(self) -> None:
         check_choice("shape", self.shape, SHAPES, "what presses")
@@ -195,7 +200,7 @@ class Scene:
 class CurrentPress:
     """One press as it is now: at x, y, m, of a patch's plane, with a force, N.
 
-    `contact_radius`, m, is known once its table is.
+    `contact_radius`, m, is known once its table is; `shear` is the force along x and y, N.
     """
 
     id: str
@@ -205,6 +210,21 @@ class CurrentPress:
     y: float
     force: float
     contact_radius: float = 0.0
+    shear: tuple[float, float] = (0.0, 0.0)
+
+    def check_shear(self) -> None:
+        """Raise InputError for a push that slides, or of a body that is not pushed here."""
+        size = math.hypot(*self.shear)
+        if size > 0.0 and self.tool.shape not in PUSHED:
+            raise InputError(
+                f"shear is {self.shear} of a {self.tool.shape}, expected none: only "
+                f"{' and '.join(PUSHED)} are pushed along the skin here"
+            )
+        if not size <= FRICTION * self.force * (1.0 + 1e-9):
+            raise InputError(
+                f"shear is {size:.3g} N beside {self.force:g} N, expected at most {FRICTION:g} "
+                "times the force into the skin: beyond that it slides"
+            )
 
 
 def patch_index(skin: Skin, key: str | int | None) -> int:
