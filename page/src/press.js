@@ -107,6 +107,7 @@ export class PressPanel {
       x: event?.clientX ?? 0,
       y: event?.clientY ?? 0,
       shift: Boolean(event?.shiftKey),
+      alt: Boolean(event?.altKey),
       // when it happened: a page that is busy hears of it later, and would take a tap for a hold
       time: (event?.timeStamp || performance.now()) / 1e3,
     };
@@ -225,7 +226,8 @@ export class PressPanel {
     if (byId("press-scene").value !== this.#playing) byId("press-scene").value = this.#playing;
   }
 
-  #setLimits({ shapes, radius, force, scenes, common }) {
+  #setLimits({ shapes, radius, force, scenes, common, friction }) {
+    this.#gestures.friction = friction ?? 0;
     this.#common = common ?? {};
     this.#makeTools();
     setOptions(byId("shape"), shapes.map((name) => [name, SHAPES[name] ?? name]));
