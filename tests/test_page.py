@@ -256,6 +256,31 @@ def test_dark_and_light(look: Look, hand: Hand) -> None:
     assert seen == {"dark", "light"}
 
 
+def test_a_press_that_is_pushed_along_the_skin_leans(look: Look, hand: Hand) -> None:
+    hand.click(0.0, 3.0)
+    look.wait_rows(lambda rows: len(rows) == 1)
+    mouse, keys = look.page.mouse, look.page.keyboard
+    keys.down("Alt")
+    mouse.move(*hand.pixel(0.0, 3.0))
+    mouse.down()
+    for x in range(1, 13):
+        mouse.move(*hand.pixel(float(x), 3.0))
+        look.page.wait_for_timeout(30)
+    mouse.up()
+    keys.up("Alt")
+    look.until("skinfield.state.truth[0]?.shear?.size > 0.49", patience=STARTS)  # it is solved
+    assert look.value("skinfield.state.truth[0].shear.angle") == pytest.approx(0.0, abs=0.02)
+    assert look.value("skinfield.state.truth[0].y") == pytest.approx(3e-3, abs=2e-4)
+    [row] = look.wait_rows(lambda rows: len(rows) == 1 and "shear" in rows[0])
+    assert float(row["truthShear"]) == pytest.approx(0.5, abs=0.02)
+    look.wait_rows(lambda rows: len(rows) == 1 and 0.3 < float(rows[0].get("shear", 0)) < 0.7)
+    look.draw()
+    look.shoot("pushed")
+    push = look.value("""(() => { const { data } = skinfield.scene.marks.arrows;
+      return [0, 1, 2].map((a) => data[3 + a] - data[a]); })()""")  # the truth is drawn first
+    assert push[0] / -push[2] == pytest.approx(0.5, abs=0.03)
+
+
 # shapes
 
 SHAPE = """() => {  // of the strongest contact: its area and the middle of its outline, mm

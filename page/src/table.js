@@ -61,7 +61,7 @@ function contactRow({ contact, truth, error_m, error_percent }, patchName, slotO
     element("td", { class: "n", text: place(contact) }),
     element("td", { class: "n", text: forceWords(contact) }),
     shearCell(contact),
-    element("td", { class: "n", text: fixed(1e6 * contact.area, 0) }),
+    element("td", { class: "n area", text: fixed(1e6 * contact.area, 0) }),
     element("td", { class: "n truth", text: truth ? fixed(truth.force, 2) : "" }),
     element("td", { class: "n truth", text: truth ? fixed(1e3 * error_m, 1) : "" }),
     element("td", { class: "n truth", text: truth ? signed(error_percent) : "" }),
@@ -75,8 +75,7 @@ function shearCell({ shear }) {
   if (!shear) return element("td", { class: "n along" });
   const arrow = element("i", { "aria-hidden": "true", text: "→" });
   arrow.style.rotate = `${fixed(-degrees(shear), 0).replace("−", "-")}deg`;
-  const words = forceWords({ force: shear.size, force_std: shear.std });
-  return element("td", { class: "n along", title: shearWords(shear) }, arrow, ` ${words}`);
+  return element("td", { class: "n along", title: shearWords(shear) }, arrow, ` ${fixed(shear.size, 2)}`);
 }
 
 function dataOf(contact, truth, error_m, error_percent) {
@@ -119,7 +118,7 @@ function missedRow(truth, patchName) {
     element("td", { class: "n", text: place(truth) }),
     element("td", { class: "n", text: "not found" }),
     element("td", { class: "n along" }),
-    element("td"),
+    element("td", { class: "area" }),
     element("td", { class: "n truth", text: fixed(truth.force, 2) }),
     element("td", { class: "truth", colspan: "2" }),
   );

@@ -67,8 +67,8 @@ class LineStore:
         for each in range(int(self._begins[row]), end):
             whose = self._whose[each % PRESSES]
             assert whose is not None  # it was written
-            *numbers, along, across = self._numbers[each % PRESSES].tolist()
-            touches.append(CurrentPress(*whose, *numbers, (along, across)))
+            x, y, force, radius, along, across = self._numbers[each % PRESSES].tolist()
+            touches.append(CurrentPress(*whose, x, y, force, radius, (along, across)))
         return int(self._stamps[row]), touches
 
 

@@ -51,8 +51,11 @@ def number(command: Command, key: str, low: float, high: float, what: str) -> fl
 def vector(command: Command, key: str, most: float, what: str) -> Floats:
     """Three numbers of the picture's frame; raises InputError."""
     value = command.get(key)
-    is_vector = isinstance(value, list) and len(value) == 3
-    if not is_vector or not all(_is_number(each, -most, most) for each in value):
+    if (
+        not isinstance(value, list)
+        or len(value) != 3
+        or not all(_is_number(each, -most, most) for each in value)
+    ):
         raise InputError(f"{key} is {value!r:.80}, expected three numbers in {what}")
     return np.array(value, float)
 
