@@ -256,6 +256,77 @@ def test_dark_and_light(look: Look, hand: Hand) -> None:
     assert seen == {"dark", "light"}
 
 
+def test_a_press_that_is_pushed_along_the_skin_leans(look: Look, hand: Hand) -> None:
+    hand.click(0.0, 3.0)
+    look.wait_rows(lambda rows: len(rows) == 1)
+    mouse, keys = look.page.mouse, look.page.keyboard
+    keys.down("Alt")
+    mouse.move(*hand.pixel(0.0, 3.0))
+    mouse.down()
+    for x in range(1, 13):
+        mouse.move(*hand.pixel(float(x), 3.0))
+        look.page.wait_for_timeout(30)
+    mouse.up()
+    keys.up("Alt")
+    look.until("skinfield.state.truth[0]?.shear?.size > 0.49", patience=STARTS)  # it is solved
+    assert look.value("skinfield.state.truth[0].shear.angle") == pytest.approx(0.0, abs=0.02)
+    assert look.value("skinfield.state.truth[0].y") == pytest.approx(3e-3, abs=2e-4)
+    [row] = look.wait_rows(lambda rows: len(rows) == 1 and "shear" in rows[0])
+    assert float(row["truthShear"]) == pytest.approx(0.5, abs=0.02)
+    look.wait_rows(lambda rows: len(rows) == 1 and 0.3 < float(rows[0].get("shear", 0)) < 0.7)
+    look.draw()
+    look.shoot("pushed")
+    push = look.value("""(() => { const { data } = skinfield.scene.marks.arrows;
+      return [0, 1, 2].map((a) => data[3 + a] - data[a]); })()""")  # the truth is drawn first
+    assert push[0] / -push[2] == pytest.approx(0.5, abs=0.03)
+
+
+# shapes
+
+SHAPE = """() => {  // of the strongest contact: its area and the middle of its outline, mm
+  const [image] = skinfield.state.lastUpdate.shapes?.images ?? [];
+  if (!image || image.readings < 12) return null;
+  const { pose: [x, y, turn], outline: [line] } = image, [c, s] = [Math.cos(turn), Math.sin(turn)];
+  const middle = [0, 1].map((a) => line.reduce((sum, at) => sum + at[a], 0) / line.length);
+  const pen = document.getElementById("shape-canvas").getContext("2d");
+  const { data } = pen.getImageData(0, 0, 300, 150);
+  return { area: 1e6 * image.area, force: image.force, drawn: new Set(data).size,
+    at: [1e3 * (x + c * middle[0] - s * middle[1]), 1e3 * (y + s * middle[0] + c * middle[1])] };
+}"""
+
+
+def test_the_shape_of_a_letter_grows_as_one_draws_with_it(look: Look, hand: Hand) -> None:
+    look.at("tool-T-8").click()
+    look.at("force").fill("5")
+    look.at("force").press("Tab")
+    look.until("skinfield.state.controls.tools.ready.some(({ shape }) => shape === 'T')")
+    look.at("show-shapes").check()
+    assert look.at("shape-inset").is_visible()
+    look.until("skinfield.state.lastUpdate.shapes?.why === ''", patience=STARTS)  # it compiles
+    mouse, way = look.page.mouse, [0.3 * k for k in range(21)]  # rad
+    path = [hand.pixel(3.0 * math.sin(each), 3.0 * math.cos(each)) for each in way]
+    mouse.move(*path[0])
+    mouse.down()
+    for place in path * 3:
+        mouse.move(*place)
+        look.page.wait_for_timeout(60)
+    found = look.until(SHAPE)
+    look.shoot("shape")
+    assert 60.0 < found["area"] < 190.0  # of 96 mm²
+    assert 3.0 < found["force"] < 8.0
+    assert math.dist(found["at"], (0.0, 3.0)) < 6.0
+    assert found["drawn"] > 20
+    mouse.up()
+    look.until("skinfield.state.lastUpdate.shapes.images.length === 0")
+    assert look.accessible() == []
+    look.at("show-shapes").uncheck()
+    look.until("!skinfield.state.lastUpdate.shapes")
+    assert not look.at("shape-inset").is_visible()
+    look.at("tool-ball-10").click()
+    look.at("force").fill("1")
+    look.at("force").press("Tab")
+
+
 # keys, and for all
 
 

@@ -1,10 +1,12 @@
 """The page's server: whom it answers, what it sends, and how it takes orders."""
 
+import base64
 import json
 import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,6 +23,7 @@ from websockets.sync.client import ClientConnection, connect
 import skinfield as sf
 from skinfield.errors import InputError
 from skinfield.estimate.contact_table import COLUMNS
+from skinfield.page.contact_shapes import NOT_HERE, follow
 from skinfield.page.page_state import viewer_notes
 from skinfield.page.scene_layout import PlacedPatch, SceneLayout
 from skinfield.page.server import Page, serve_page
@@ -231,6 +234,72 @@ def test_an_update_says_whether_forces_are_newtons(relative: bool, unit: str) ->
     snapshot = source.latest()
     assert snapshot is not None
     assert snapshot["hexagon72"].relative is relative
+
+
+@pytest.mark.parametrize(("std", "sure"), [(0.05, True), (0.4, False), (np.nan, False)])
+def test_a_force_along_the_skin_is_told_where_it_is_beyond_its_noise(
+    std: float, sure: bool
+) -> None:
+    source = StillSource()
+    source.read(1.0)
+    snapshot = source.latest()
+    assert snapshot is not None
+    snapshot.contacts["shear"] = (0.3, -0.4, 0.0)
+    snapshot.contacts["shear_covariance"] = (std**2, 0.0, std**2)
+    truth = {"id": "a", "patch": "hexagon72", "x": 0.0, "y": 0.0, "force": 1.0, "shape": "ball",
+             "radius": 6e-3, "contact_radius": 2e-3, "shear": [0.0, 0.5]}  # fmt: skip
+    *_, message = Updates(SceneLayout((source,))).make(1, [EngineView(snapshot)], [truth])
+    head, _ = unpacked(message)
+    [contact], [press] = head["contacts"], head["truth"]
+    assert_allclose(press["shear"]["vector"], [0.0, 0.5, 0.0], atol=1e-9)
+    if not sure:
+        assert contact["shear"] is None
+        return
+    assert_allclose(contact["shear"]["vector"], [0.3, -0.4, 0.0], atol=1e-9)
+    told = [contact["shear"][name] for name in ("size", "std", "angle")]
+    assert_allclose(told, [0.5, std, np.arctan2(-0.4, 0.3)])
+
+
+def test_the_shape_of_what_touches_is_told_for_the_page() -> None:
+    """As a process beside the engine writes it, of readings of a ball, and as an update has it."""
+    source = StillSource()
+
+    class Known:
+        skin, tares, model_config, models = source.skin, 0, source.model_config, source._models
+
+        def __iter__(self) -> Iterator[Any]:
+            for force in (None, 1.0, 1.0, 1.0, None, None):
+                source.read(force)
+                yield source.latest()
+
+    written: list[Any] = []
+    follow(Known(), written.append)  # type: ignore[arg-type]
+    assert [len(each["shapes"]) for each in json.loads(json.dumps(written))] == [0, 1, 1, 1, 0]
+    [image] = written[3]["shapes"]
+    assert (image["patch"], image["readings"]) == ("hexagon72", 3)
+    assert image["force"] == pytest.approx(1.0, rel=0.2)
+    pressure = np.frombuffer(base64.b64decode(image["pressure"]), np.uint8)
+    total = pressure.sum() / 255.0 * image["peak"] * image["cell"] ** 2
+    assert total == pytest.approx(image["force"], rel=0.05)
+    row, column = np.divmod(int(pressure.argmax()), image["columns"])
+    middle = np.add(image["low"], np.multiply(image["cell"], (column, row)))  # in the body's frame
+    assert_allclose(middle + image["pose"][:2], [0.0, 7.5e-3], atol=2e-3)
+    process: Any = SimpleNamespace(newest=lambda: [image], ready=True)
+    for shapes, why in (([process], ""), ([None], NOT_HERE)):
+        views = [EngineView(source.latest())]
+        *_, message = Updates(SceneLayout((source,))).make(1, views, (), shapes=shapes)
+        told = unpacked(message)[0]["shapes"]
+        assert (told["why"], len(told["images"])) == (why, 1 - bool(why))
+        assert all(each["patch"] == 0 for each in told["images"])
+
+
+def test_a_letter_has_its_border_in_the_truth(source: StillSource) -> None:
+    truth = {"id": "a", "patch": "hexagon72", "x": 0.0, "y": 0.0, "force": 1.0, "shape": "L",
+             "radius": 8e-3, "contact_radius": 5e-3}  # fmt: skip
+    *_, message = Updates(SceneLayout((source,))).make(1, [EngineView(None)], [truth])
+    x, y = np.array(unpacked(message)[0]["truth"][0]["border"]).T
+    area = 0.5 * abs(x[:-1] @ y[1:] - x[1:] @ y[:-1])
+    assert area == pytest.approx(96e-6)  # 12 mm by 16 mm, strokes of 4 mm
 
 
 def test_contacts_outlast_a_pause_of_readings_and_say_how_old_they_are(

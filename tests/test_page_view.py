@@ -202,7 +202,7 @@ def curved(look: Look) -> None:
 def reconnects(look: Look, running: Served) -> None:
     """The page goes on by itself when a server is there again, here of forces that are relative."""
     source, port = StillSource(relative=True), running.port
-    assert texts(look, ".force-unit") == ["N", "N"]
+    assert texts(look, ".force-unit") == ["N"] * 3
     source.read(1.0)
     running.kill()
     look.until("!skinfield.socket.open")
@@ -214,7 +214,7 @@ def reconnects(look: Look, running: Served) -> None:
         assert look.value("skinfield.state.connections") == 2
         look.until("skinfield.state.status.state === 'running'")
         look.wait_rows(lambda rows: len(rows) == 1)
-        assert texts(look, ".force-unit") == ["rel.", "rel."]
+        assert texts(look, ".force-unit") == ["rel."] * 3
         assert texts(look, "#contacts-total")[0].endswith(" rel. in all")
         assert texts(look, "#colour-name, #range-unit") == ["Pressure, relative", "relative"]
         look.shoot("relative")
@@ -408,11 +408,12 @@ def test_the_skin_fills_the_picture(page: Any, size: dict[str, int]) -> None:
     assert min(across, along) > 0.3
 
 
-TOUCH = """([x, y, times]) => {
+TOUCH = """([x, y, times, shear]) => {
   const { scene } = skinfield, round = Array.from({ length: 33 }, (_, i) => [
     x + 3e-3 * Math.cos(i * Math.PI / 16), y + 3e-3 * Math.sin(i * Math.PI / 16), 0]);
   scene.setExaggeration(times);
-  const place = { patch: 0, x, y, position: [x, y, 0], normal: [0, 0, 1], force: 1.0 };
+  const place = { patch: 0, x, y, position: [x, y, 0], normal: [0, 0, 1], force: 1.0,
+    shear: shear && { size: Math.hypot(...shear), angle: 0, vector: shear } };
   scene.marks.contacts = [{ ...place, key: "a", track: 1, force_std: 0.1, area: 28e-6,
     place_cov: [4e-7, 1e-7, 2e-7], outline: round }];
   scene.marks.truth = [{ ...place, id: "p", contact_radius: 3e-3 }];
@@ -423,7 +424,8 @@ TOUCH = """([x, y, times]) => {
   const middle = [0, 1].map((a) => round.slice(0, 32).reduce((sum, at) => sum + at[a], 0) / 32);
   const labels = scene.marks.labels.placed.filter((each) => each.accent).map(
     ({ x, y, width, height, anchorX, anchorY }) => ({ x, y, width, height, anchorX, anchorY }));
-  const found = { tips, middle: scene.project([...middle, 0]), labels };
+  const pushes = [0, 10].map((at) => [0, 1, 2].map((a) => data[at + 3 + a] - data[at + a]));
+  const found = { tips, pushes, middle: scene.project([...middle, 0]), labels };
   scene.marks.contacts = scene.marks.truth = [];
   scene.showLabels(false);
   scene.setExaggeration(3);
@@ -432,12 +434,17 @@ TOUCH = """([x, y, times]) => {
 }"""
 
 
+@pytest.mark.parametrize("shear", [None, [0.5, 0.0, 0.0], [-0.3, -0.6, 0.0]])
 @pytest.mark.parametrize("times", [1.0, 3.0, 30.0])
-def test_arrows_end_in_the_middle_of_the_ring_on_the_skin_at_rest(page: Any, times: float) -> None:
-    """However deep the dent is drawn; one label tells both, and covers neither."""
+def test_arrows_end_in_the_middle_of_the_ring_on_the_skin_at_rest(
+    page: Any, times: float, shear: list[float] | None
+) -> None:
+    """However deep the dent is drawn; they point as the force does, and a label covers neither."""
     colours_at(page, FLAT)
-    found = page.evaluate(TOUCH, [2e-3, 1e-3, times])
-    middle = found["middle"]
+    found = page.evaluate(TOUCH, [2e-3, 1e-3, times, shear])
+    middle, force = found["middle"], np.array(shear or [0.0, 0.0, 0.0]) - [0.0, 0.0, 1.0]
+    for push in np.array(found["pushes"]):
+        assert np.allclose(push / np.linalg.norm(push), force / np.linalg.norm(force), atol=1e-3)
     for tip in found["tips"]:
         assert np.hypot(tip["x"] - middle["x"], tip["y"] - middle["y"]) < 3.0  # px
     [label] = found["labels"]

@@ -10,9 +10,11 @@ import skinfield as sf
 from skinfield.estimate.row_contacts import (
     contacts_of_rows,
     ellipse_of,
+    force_covariance_of,
     outline_of,
     pressure_std_of_rows,
     shape_name,
+    shear_of,
 )
 from skinfield.loop import Answer
 from skinfield.loop.model_config import Models
@@ -36,6 +38,18 @@ def test_an_outline_has_the_area_and_the_moments_of_its_row() -> None:
     assert_allclose([x.mean(), y.mean()], [2e-3, -1e-3], atol=4e-4)
     for turned, expected in (((1e-6, 9e-6, 0.0), np.pi / 2), ((5e-6, 5e-6, 4e-6), np.pi / 4)):
         assert ellipse_of(contact(area=AREA, moments=turned)[0])[1] == pytest.approx(expected)
+
+
+def test_a_shear_lies_along_the_skin_by_the_planes_axes() -> None:
+    patch = sf.layouts.cylinder()
+    surface, at = patch.surface, patch.plane[len(patch) // 3]
+    frame = surface.frame_from_plane(at[None])[0]
+    row = contact(*at, normal=frame[:, 2], shear=frame[:, :2] @ [0.3, -0.2],
+                  shear_covariance=(4e-4, 1e-4, 9e-4))[0]  # fmt: skip
+    shear, covariance = shear_of(surface, row)
+    assert_allclose(shear, [0.3, -0.2], atol=1e-6)
+    along = frame[:, :2].T @ force_covariance_of(surface, row) @ frame[:, :2]
+    assert_allclose(along, covariance, atol=1e-9)
 
 
 @pytest.mark.parametrize("moments", [(0.0, 0.0, 0.0), (np.nan, 1e-6, 0.0), (np.inf, 1e-6, 0.0)])

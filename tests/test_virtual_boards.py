@@ -7,6 +7,7 @@ import subprocess
 import sys
 import tomllib
 import tracemalloc
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -55,15 +56,43 @@ from skinfield.wire.packet import PacketKind, encode_command
 SKIN = Skin((by_name("hexagon72"),))
 
 
-@pytest.mark.parametrize(("tool", "share"), [(SceneTool(), 0.1), (SceneTool(3e-3, "flat"), 0.02)])
+@pytest.mark.parametrize(
+    ("tool", "share"),
+    [(SceneTool(), 0.1), (SceneTool(3e-3, "flat"), 0.02), (SceneTool(6e-3, "L"), 0.09)],
+)
 def test_tables_hold_what_a_press_reads(tool, share):
     table = table_for(tool, Layer(), 4e-3)
     force = share * table.highest_force
     made = press(Layer(), [tool.body(force=force)], extent=30e-3, cell=0.5e-3)
     away = np.random.default_rng(0).uniform(-12e-3, 12e-3, (40, 2))
     exact = made.capacitance(away, 4e-3)
-    assert np.abs(table.readings(np.hypot(*away.T), force) - exact).max() < 0.004 * exact.max()
+    assert np.abs(table.readings(away, force) - exact).max() < 0.004 * exact.max()
     assert table.radius_at(force) == pytest.approx(math.sqrt(made.contact_area / math.pi), rel=0.02)
+
+
+@pytest.mark.parametrize(("tool", "share"), [(SceneTool(), 0.06), (SceneTool(6e-3, "flat"), 0.04)])
+def test_a_push_adds_what_the_pushed_press_reads(tool, share):
+    table = table_for(replace(tool, pushed=True), Layer(), 4e-3)
+    force, push = share * table.highest_force, np.array([0.3, -0.2])
+    away = np.random.default_rng(1).uniform(-12e-3, 12e-3, (40, 2))
+    plain, pushed = (
+        press(Layer(), [replace(tool.body(force=force), shear=shear)], extent=30e-3, cell=0.5e-3)
+        for shear in ((0.0, 0.0), tuple(force * push))
+    )
+    exact = pushed.capacitance(away, 4e-3) - plain.capacitance(away, 4e-3)
+    assert np.abs(exact).max() > 3e-3
+    off = np.abs(table.added(away, force, force * push) - exact).max()
+    assert off < 0.1 * np.abs(exact).max()  # what is of second order
+
+
+@pytest.mark.parametrize(
+    ("shape", "shear", "said"),
+    [("L", (0.1, 0.0), "shear is .* of a L, expected none"), ("ball", (0.4, 0.4), "it slides"),
+     ("ball", (math.nan, 0.0), "it slides")],
+)  # fmt: skip
+def test_a_push_that_cannot_be_is_refused(shape, shear, said):
+    with pytest.raises(InputError, match=said):
+        CurrentPress("a", 0, SceneTool(8e-3, shape), 0.0, 0.0, 1.0, shear=shear).check_shear()
 
 
 def small_table():
@@ -89,7 +118,8 @@ def test_a_table_says_what_it_holds():
     with pytest.raises(InputError, match=r"force is 2 N, expected above 0 and at most 1 N"):
         table.check_force(2.0, SceneTool())
     assert table.radius_at(0.25) == pytest.approx(0.5e-3)
-    assert table.readings(np.array([0.0, 1e-4, 1.0]), 1.0).tolist() == [1.0, 1.0, 0.0]
+    places = np.array([[0.0, 0.0], [6e-5, 8e-5], [1.0, 0.0]])
+    assert table.readings(places, 1.0).tolist() == [1.0, 1.0, 0.0]
 
 
 def test_a_track_goes_straight_from_point_to_point():

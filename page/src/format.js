@@ -44,6 +44,11 @@ export function forceWords({ force, force_std }) {
   return `${fixed(force, 2)}${Number.isFinite(force_std) ? ` ± ${fixed(force_std, 2)}` : ""}`;
 }
 
+/** A force along the skin, its standard deviation where one is told, and its direction. */
+export function shearWords({ size, std, angle }) {
+  return `${forceWords({ force: size, force_std: std })} along the skin, ${fixed((180 * angle) / Math.PI, 0)}° from x`;
+}
+
 /** A quantity with its unit: quantity(0.00123, "m") is "1.23 mm". */
 export function quantity(value, unit, digits = 3) {
   if (!Number.isFinite(value)) return "–";
@@ -111,11 +116,12 @@ export function orElse(maybe) {
 }
 
 /** What presses and what it was found from, in words. */
-export function contactWords({ shape, radius, maybe, answer, readings }) {
+export function contactWords({ shape, radius, maybe, answer, readings, shear }) {
   const size = Number.isFinite(radius) ? `, radius ${fixed(1e3 * radius, 1)} mm` : "";
   const words = [
     shape && shape !== "other" ? `${shape}${size}` : "",
     maybe ? `${orElse(maybe)} in the place of ${maybe > 1 ? "this one" : "two"} would explain the readings nearly as well` : "",
+    shear ? shearWords(shear) : "",
     BY[answer] ?? "",
     readings > 1 ? `mean of ${readings} readings` : "",
   ];

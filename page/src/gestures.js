@@ -3,11 +3,13 @@
 //
 // down: presses there, and lifts what stood before unless Shift is held. move: drags. up: after a
 // click the press stays, after a hold or a drag it lifts. A standing press that is grabbed keeps
-// standing where it is let go; Shift and a click lift it.
+// standing where it is let go; Shift and a click lift it. With Alt a drag does not move the press: it
+// pushes it along the skin, the harder the farther.
 
 export const CLICK_S = 0.4;
 export const DRAG_PX = 6;
 const MOVES_PER_S = 40;
+const FAR_M = 10e-3; // from the press: there it is pushed with all that friction holds
 
 export class PressGestures {
   #send;
@@ -16,6 +18,7 @@ export class PressGestures {
   #held = null; // {id, since, x, y, dragged, grabbed, shift, sent, waiting}
   #count = 0;
   #prefix;
+  friction = 0; // of a press's force, up to which it can be pushed along the skin
 
   /**
    * @param {(command: object) => Promise<boolean>} send false: it was refused
@@ -70,7 +73,7 @@ export class PressGestures {
     const grabbed = at.id != null && (this.#presses.has(at.id) || at.grab === true);
     const id = grabbed ? at.id : this.#place(at);
     if (grabbed && !this.#presses.has(id)) this.#presses.set(id, { ...this.#spot(at), standing: true });
-    this.#held = { id, since: at.time, x: at.x, y: at.y, dragged: false, grabbed, shift: at.shift, sent: at.time };
+    this.#held = { id, since: at.time, x: at.x, y: at.y, dragged: false, grabbed, shift: at.shift, push: at.alt, sent: at.time };
   }
 
   /** Pointer moved while down; without a position it has left the skin. */
@@ -81,7 +84,8 @@ export class PressGestures {
     if (!held.dragged || !at.position) return;
     const press = this.#presses.get(held.id);
     if (!press) return;
-    Object.assign(press, { patch: at.patch, position: at.position });
+    if (held.push) press.shear = this.#shear(press, at.position);
+    else Object.assign(press, { patch: at.patch, position: at.position });
     held.waiting = true;
     if (at.time - held.sent >= 1 / MOVES_PER_S || at.time < held.sent) this.#flush(at.time);
   }
@@ -130,6 +134,13 @@ export class PressGestures {
     this.#held = null;
   }
 
+  /** What pushes a press towards a place, N, up to what friction holds. */
+  #shear({ position, force }, towards) {
+    const away = towards.map((value, axis) => value - position[axis]);
+    const share = Math.min(1, Math.hypot(...away) / FAR_M) / (Math.hypot(...away) || 1);
+    return away.map((value) => value * share * this.friction * (force ?? this.#tool().force));
+  }
+
   #place(at) {
     if (!at.shift) this.liftMine();
     this.#count += 1;
@@ -165,8 +176,8 @@ export class PressGestures {
   }
 
   #flush(time, held = this.#held) {
-    const { patch, position } = this.#presses.get(held.id);
-    this.#send({ do: "move", id: held.id, patch, position });
+    const { patch, position, shear } = this.#presses.get(held.id);
+    this.#send({ do: "move", id: held.id, patch, position, ...(held.push ? { shear } : {}) });
     held.sent = time;
     held.waiting = false;
   }

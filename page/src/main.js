@@ -17,6 +17,7 @@ import { notice } from "./notices.js";
 import { latencyText, Plots } from "./plots.js";
 import { PressPanel } from "./press.js";
 import { Replay } from "./replay.js";
+import { Shapes } from "./shapes.js";
 import { SkinScene } from "./scene/scene.js";
 import { PageSocket } from "./socket.js";
 import { showPreparing } from "./preparing.js";
@@ -65,6 +66,7 @@ const press = new PressPanel((command) => {
   if (command.do === "press" || command.do === "move") replay.live(); // its result is to be seen
   return ask(command);
 }, scene);
+const shapes = new Shapes(ask);
 const replay = new Replay(ask, query, showMoment);
 const pending = new Pending(quantityInForce);
 const ageing = new Ageing({
@@ -150,7 +152,7 @@ function hello(message) {
   const another = subject(message) !== subject(state.hello);
   Object.assign(state, { hello: message, lastUpdate: null, contacts: [], truth: [] });
   scene.setSkin(message);
-  for (const part of [status, press, replay]) part.hello(message);
+  for (const part of [status, press, replay, shapes]) part.hello(message);
   ageing.passes(message.mode !== "replay");
   invite();
   if (another) {
@@ -292,6 +294,7 @@ function tell(head) {
   const now = performance.now() / 1e3;
   Object.assign(state, { lastUpdate: head, contacts: head.contacts, truth: head.truth });
   const pairs = matched(head.contacts, head.truth);
+  shapes.show(head);
   table.show(pairs, head.truth, { now, patchName, slotOf: (key) => plots.slotOf(key), none: noneWords(), relative: head.relative });
   for (const each of document.querySelectorAll(".force-unit")) {
     setText(each, forceUnit(head.relative));
@@ -379,6 +382,7 @@ startTheme((name) => {
   bar.recolour(name);
   plots.recolour();
   replay.recolour();
+  shapes.recolour(name);
 });
 startKeyboard({
   orbit: (x, y) => scene.orbit(x, y),

@@ -7,7 +7,8 @@ import { notice } from "./notices.js";
 
 const RING_PX = 12; // from one ring of places that are tried to the next
 const ROUND = 16; // places on a ring
-const SHAPES = { ball: "Ball", flat: "Flat end", finger: "Finger" };
+const SHAPES = { ball: "Ball", flat: "Flat end", finger: "Finger", L: "Letter L", T: "Letter T" };
+const NAMED = { finger: "Finger", L: "L", T: "T" }; // on their buttons, in place of a radius
 const SETTLED_MS = 500; // after the last change of a tool it is asked for, if it is not ready
 const MOVED_MS = 400; // after a key moved a press; older news of its place are passed over
 const OFF_M = 2e-3; // from where a key moves a press to what is seen there: not the same skin
@@ -106,6 +107,7 @@ export class PressPanel {
       x: event?.clientX ?? 0,
       y: event?.clientY ?? 0,
       shift: Boolean(event?.shiftKey),
+      alt: Boolean(event?.altKey),
       // when it happened: a page that is busy hears of it later, and would take a tap for a hold
       time: (event?.timeStamp || performance.now()) / 1e3,
     };
@@ -224,7 +226,8 @@ export class PressPanel {
     if (byId("press-scene").value !== this.#playing) byId("press-scene").value = this.#playing;
   }
 
-  #setLimits({ shapes, radius, force, scenes, common }) {
+  #setLimits({ shapes, radius, force, scenes, common, friction }) {
+    this.#gestures.friction = friction ?? 0;
     this.#common = common ?? {};
     this.#makeTools();
     setOptions(byId("shape"), shapes.map((name) => [name, SHAPES[name] ?? name]));
@@ -267,15 +270,13 @@ export class PressPanel {
       const button = element(
         "button",
         { type: "button", class: "tool", "data-testid": `tool-${shape}-${millimetres(radius)}`, "aria-label": `${name}, radius ${size}` },
-        shape === "finger" ? null : element("i", { class: `tool-shape ${shape}`, "aria-hidden": "true" }),
-        element("span", { text: shape === "finger" ? name : String(millimetres(radius)) }),
+        shape in NAMED ? null : element("i", { class: `tool-shape ${shape}`, "aria-hidden": "true" }),
+        element("span", { text: NAMED[shape] ?? String(millimetres(radius)) }),
       );
       Object.assign(button.dataset, { shape, radius });
       button.addEventListener("click", () => this.#choose(shape, radius));
       return button;
     });
-    const sizes = kinds.findLastIndex(({ shape }) => shape !== "finger") + 1;
-    if (sizes) made.splice(sizes, 0, element("span", { class: "unit", "aria-hidden": "true", text: "mm" }));
     byId("tools").replaceChildren(...made);
   }
 

@@ -1,12 +1,13 @@
 // The accessible table of the contacts, with the truth beside them where it is known.
 import { byId, element, setText } from "./dom.js";
-import { contactWords, fixed, forceUnit, forceWords, orElse } from "./format.js";
+import { contactWords, fixed, forceUnit, forceWords, orElse, shearWords } from "./format.js";
 import { unfound } from "./truth_match.js";
 
 const SAY_EVERY_S = 4; // a reader of the screen is told no more often than this
 
 export class ContactsTable {
-  #body = byId("contacts-table").tBodies[0];
+  #table = byId("contacts-table");
+  #body = this.#table.tBodies[0];
   #said = { at: -Infinity, count: -1 };
 
   /**
@@ -23,6 +24,7 @@ export class ContactsTable {
       ...missed.map((truth) => missedRow(truth, patchName)),
     ];
     if (made.length === 0) made.push(emptyRow(none));
+    this.#table.classList.toggle("has-shear", rows.some(({ contact, truth }) => contact.shear || truth?.shear));
     this.#body.replaceChildren(...made);
     this.#say(rows, now, relative);
   }
@@ -58,7 +60,8 @@ function contactRow({ contact, truth, error_m, error_percent }, patchName, slotO
     element("td", { text: patchName(contact.patch), title: patchName(contact.patch), class: "patch" }),
     element("td", { class: "n", text: place(contact) }),
     element("td", { class: "n", text: forceWords(contact) }),
-    element("td", { class: "n", text: fixed(1e6 * contact.area, 0) }),
+    shearCell(contact),
+    element("td", { class: "n area", text: fixed(1e6 * contact.area, 0) }),
     element("td", { class: "n truth", text: truth ? fixed(truth.force, 2) : "" }),
     element("td", { class: "n truth", text: truth ? fixed(1e3 * error_m, 1) : "" }),
     element("td", { class: "n truth", text: truth ? signed(error_percent) : "" }),
@@ -67,7 +70,16 @@ function contactRow({ contact, truth, error_m, error_percent }, patchName, slotO
   return row;
 }
 
+/** The force along the skin, with an arrow by the plane's x and y; empty where none is known. */
+function shearCell({ shear }) {
+  if (!shear) return element("td", { class: "n along" });
+  const arrow = element("i", { "aria-hidden": "true", text: "→" });
+  arrow.style.rotate = `${fixed(-degrees(shear), 0).replace("−", "-")}deg`;
+  return element("td", { class: "n along", title: shearWords(shear) }, arrow, ` ${fixed(shear.size, 2)}`);
+}
+
 function dataOf(contact, truth, error_m, error_percent) {
+  const { shear } = contact;
   const data = {
     "data-track": contact.track,
     "data-key": contact.key,
@@ -78,6 +90,9 @@ function dataOf(contact, truth, error_m, error_percent) {
     "data-force": number(contact.force, 4),
     "data-force-std": number(contact.force_std, 4),
     "data-area-mm2": number(1e6 * contact.area, 2),
+    "data-shear": shear ? number(shear.size, 4) : null,
+    "data-shear-std": shear ? number(shear.std, 4) : null,
+    "data-shear-degrees": shear ? number(degrees(shear), 1) : null,
     "data-shape": contact.shape,
     "data-maybe": contact.maybe || null,
   };
@@ -87,6 +102,7 @@ function dataOf(contact, truth, error_m, error_percent) {
     "data-truth-force": number(truth.force, 4),
     "data-truth-x-mm": number(1e3 * truth.x, 3),
     "data-truth-y-mm": number(1e3 * truth.y, 3),
+    "data-truth-shear": truth.shear ? number(truth.shear.size, 4) : null,
     "data-error-mm": number(1e3 * error_m, 3),
     "data-error-percent": number(Math.abs(error_percent), 2),
   };
@@ -100,14 +116,16 @@ function missedRow(truth, patchName) {
     element("th", { scope: "row", text: "–" }),
     element("td", { text: patchName(truth.patch), class: "patch" }),
     element("td", { class: "n", text: place(truth) }),
-    element("td", { class: "n", text: "not found", colspan: "2" }),
+    element("td", { class: "n", text: "not found" }),
+    element("td", { class: "n along" }),
+    element("td", { class: "area" }),
     element("td", { class: "n truth", text: fixed(truth.force, 2) }),
     element("td", { class: "truth", colspan: "2" }),
   );
 }
 
 function emptyRow(text = "No contact") {
-  return element("tr", { class: "empty" }, element("td", { colspan: "8", text }));
+  return element("tr", { class: "empty" }, element("td", { colspan: "9", text }));
 }
 
 function swatch(slot) {
@@ -119,6 +137,10 @@ function swatch(slot) {
 /** A contact that may be two, or one of two that may be one, says so. */
 function orTwo({ maybe }) {
   return maybe ? element("small", { class: "or-two", text: ` · ${orElse(maybe)}?` }) : null;
+}
+
+function degrees({ angle }) {
+  return (180 * angle) / Math.PI;
 }
 
 function place({ x, y }) {

@@ -77,6 +77,10 @@ export function checkUpdate({ head, arrays }) {
     need(isCount(place.patch), "a contact without patch");
     need(isVector(place.position) && isVector(place.normal), "a contact without place");
     need(Number.isFinite(place.force), "a contact without force");
+    place.shear ??= null;
+    need(place.shear === null || isShear(place.shear), "a force along the skin without its numbers");
+    place.border ??= null;
+    need(place.border === null || isLine(place.border), "a border without places");
   }
   for (const contact of head.contacts) {
     contact.outline ??= [];
@@ -84,7 +88,31 @@ export function checkUpdate({ head, arrays }) {
     contact.place_cov ??= [null, null, null];
     need(Array.isArray(contact.place_cov) && contact.place_cov.length === 3, "a covariance without its numbers");
   }
+  if (head.shapes != null) checkShapes(head.shapes);
   return { head, arrays };
+}
+
+/** Images of contacts, in the bodies' own frames; their pressures as bytes of the highest one. */
+function checkShapes(shapes) {
+  need(isObject(shapes) && typeof shapes.why === "string", "shapes without a word");
+  need(Array.isArray(shapes.images) && shapes.images.every(isObject), "shapes without images");
+  for (const image of shapes.images) {
+    need(isCount(image.patch) && isCount(image.track), "an image without patch and track");
+    need(isCount(image.rows) && isCount(image.columns) && image.cell > 0, "an image without cells");
+    need(isVector(image.pose) && areNumbers(image.low, 2), "an image without place");
+    need(areNumbers([image.peak, image.force, image.area, image.readings], 4), "an image without numbers");
+    need(Array.isArray(image.outline) && image.outline.every(isLine), "an image without outline");
+    image.bytes = bytesOf(image.pressure);
+    need(image.bytes.length === image.rows * image.columns, "an image whose pressures are not all there");
+  }
+}
+
+function bytesOf(text) {
+  try {
+    return Uint8Array.from(atob(text), (each) => each.charCodeAt(0));
+  } catch {
+    throw new WireError("an image whose pressures are no base64");
+  }
 }
 
 function checkPatch(patch, arrays) {
@@ -96,6 +124,10 @@ function checkPatch(patch, arrays) {
   }
   patch.height_zero ??= 0;
   need(isCount(patch.height_zero), "heights without the one of skin at rest");
+}
+
+function isShear({ size, angle, vector }) {
+  return [size, angle].every(Number.isFinite) && isVector(vector);
 }
 
 function need(holds, what) {
@@ -111,5 +143,13 @@ function isCount(value) {
 }
 
 function isVector(value) {
-  return Array.isArray(value) && value.length === 3 && value.every(Number.isFinite);
+  return areNumbers(value, 3);
+}
+
+function isLine(value) {
+  return Array.isArray(value) && value.every((at) => areNumbers(at, 2));
+}
+
+function areNumbers(value, count) {
+  return Array.isArray(value) && value.length === count && value.every(Number.isFinite);
 }

@@ -29,6 +29,12 @@ test("times, bytes and counts", () => {
   assert.equal(format.fixed(-0.06, 1), "−0.1");
 });
 
+test("a force along the skin has its direction", () => {
+  const shear = { size: 0.5, std: 0.04, angle: -Math.PI / 6, vector: [0.43, -0.25, 0] };
+  assert.equal(format.shearWords(shear), "0.50 ± 0.04 along the skin, −30° from x");
+  assert.ok(format.contactWords({ shape: "flat", radius: NaN, shear }).startsWith("flat; 0.50 ± 0.04 along"));
+});
+
 test("ticks are round, within the range, and told apart", () => {
   assert.deepEqual(format.ticks(0, 50, 5), [0, 10, 20, 30, 40, 50]);
   assert.deepEqual(format.ticks(0, 1, 4), [0, 0.25, 0.5, 0.75, 1]);

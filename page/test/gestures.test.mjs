@@ -55,6 +55,17 @@ test("a drag moves, and lifts on release however quick it was", () => {
   assert.deepEqual(sent[1].position, [0.02, 0, 0]);
 });
 
+test("with Alt a drag pushes along the skin, and the press stays where it is", () => {
+  gestures.friction = 0.5;
+  gestures.down(at(0, { alt: true }));
+  gestures.move(at(0.1, { x: 120, position: [0.015, 0.02, 0] }));
+  gestures.move(at(0.2, { x: 220, position: [0.01, 0.07, 0] }));
+  const [near, far] = sent.slice(1);
+  assert.deepEqual([near.position, far.position], [[0.01, 0.02, 0], [0.01, 0.02, 0]]);
+  near.shear.forEach((value, axis) => assert.ok(Math.abs(value - [0.5, 0, 0][axis]) < 1e-9)); // half of 1 N
+  far.shear.forEach((value, axis) => assert.ok(Math.abs(value - [0, 1, 0][axis]) < 1e-9));
+});
+
 test("a tremble is no drag", () => {
   gestures.down(at(0));
   gestures.move(at(0.1, { x: 103, position: [0.011, 0.02, 0] }));

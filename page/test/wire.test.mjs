@@ -116,10 +116,22 @@ test("an update has its lists, and what they name is there", () => {
     { contacts: [{ ...place, position: [0, 0, null] }] },
     { contacts: [{ ...place, force: "1" }] },
     { contacts: [{ ...place, outline: [[0, 0]] }] },
+    { contacts: [{ ...place, shear: { size: 1, angle: 0, vector: [0, 1] } }] },
+    { truth: [{ ...place, shear: { size: null, angle: 0, vector: [0, 1, 0] } }] },
     { truth: [{ ...place, patch: -1 }] },
   ]) {
     assert.throws(() => checkUpdate(decode(update(bad, colour))), WireError, JSON.stringify(bad));
   }
+});
+
+test("an image of a contact has all its pressures, or it is refused", () => {
+  const image = { patch: 0, track: 1, rows: 1, columns: 2, cell: 8e-4, pose: [0, 0, 0], low: [0, 0], peak: 1e4, force: 1, area: 1e-6, readings: 3, outline: [[[0, 0], [1, 0]]], pressure: btoa("\u0000\u00ff") };
+  const shapes = (more) => decode(update({ shapes: { why: "", images: [{ ...image, ...more }] } }));
+  assert.deepEqual([...checkUpdate(shapes({})).head.shapes.images[0].bytes], [0, 255]);
+  for (const bad of [{ rows: 2 }, { pressure: "?" }, { pressure: null }, { cell: 0 }, { outline: [[[0]]] }, { pose: [0, 0] }, { area: null }, { low: 0 }]) {
+    assert.throws(() => checkUpdate(shapes(bad)), WireError, JSON.stringify(bad));
+  }
+  assert.throws(() => checkUpdate(decode(update({ shapes: [] }))), WireError);
 });
 
 test("a geometry has all nodes, or it is refused", () => {

@@ -26,6 +26,14 @@ const EDGE_PX = 6; // from the picture's border, within which no arrow begins
 
 const colour = (text) => new THREE.Color(text);
 
+/** Unit vector against a force onto the skin: along its normal, or leaning by what pushes along it. */
+function against(normal, force, shear) {
+  if (!shear || !(force > 0)) return normal;
+  const whole = normal.map((value, axis) => force * value - shear.vector[axis]);
+  const size = Math.hypot(...whole);
+  return whole.map((value) => value / size);
+}
+
 export class Marks {
   /** @param {import("./patches.js").Patches} patches */
   constructor(patches) {
@@ -40,6 +48,7 @@ export class Marks {
     this.contacts = [];
     this.unit = "N"; // of their forces
     this.truth = [];
+    this.shapes = []; // images of contacts
     this.waiting = []; // presses that are asked for: {id, position, why}
     this.focus = null;
     this.tool = null;
@@ -91,6 +100,7 @@ export class Marks {
     this.corner.draw(view, this.above, this.wanted, this.patches.ruling, this.patches.setView(view.out()));
     const rows = matched(this.contacts, this.truth);
     for (const press of this.truth) this.#truth(press, view);
+    for (const image of this.shapes) this.#shape(image);
     for (const press of this.waiting) this.#waits(press, view);
     for (const row of rows) this.#contact(row, view);
     for (const press of unfound(rows, this.truth)) this.#missed(press, view);
@@ -107,7 +117,7 @@ export class Marks {
 
   #contact({ contact, truth, error_m }, view) {
     const { old } = contact;
-    this.#outline(contact, old ? this.tint.old : this.onSkin.contact);
+    if (!this.shapes.length) this.#outline(contact, old ? this.tint.old : this.onSkin.contact);
     const reach = old ? 0 : this.#uncertainty(contact);
     const place = this.#rest(contact);
     const tail = this.#arrow(place, contact, old ? this.tint.old : this.tint.contact, false, view);
@@ -118,10 +128,17 @@ export class Marks {
       title: `${forceWords(contact)} ${this.unit}${maybe}`,
       aside: truth && view.width >= NARROW ? `truth ${fixed(truth.force, 2)}` : "",
       second: this.theme.truth,
-      detail: this.brief ? "" : `#${contact.track}  ${old ? (contact.seen ?? "not of now") : this.#where(contact)}${truth && !old ? `, ${fixed(1e3 * error_m)} off` : ""}`,
+      detail: this.brief ? "" : this.#detail(contact, truth && !old ? error_m : NaN),
       accent: old ? this.theme.muted : this.theme.contact,
       side: 1,
     });
+  }
+
+  /** Below a contact's force: its track, place and force along the skin, and how far from the truth it is. */
+  #detail({ track, old, seen, shear, ...place }, off) {
+    if (old) return `#${track}  ${seen ?? "not of now"}`;
+    const words = [`#${track}  ${this.#where(place)}`, shear && `${fixed(shear.size, 2)} ${this.unit} along`, Number.isFinite(off) && `${fixed(1e3 * off)} off`];
+    return words.filter(Boolean).join(", ");
   }
 
   #truth(press, view) {
@@ -130,7 +147,26 @@ export class Marks {
     const radius = press.contact_radius || press.radius || 0.002;
     this.#keep(press, radius, view);
     this.#keepArrow(place.position, tail, view);
-    this.#ring(press, radius, this.onSkin.truth, { dashed: true, rest: true });
+    if (press.border) this.#polygon(press, press.border, [press.x, press.y, 0], this.onSkin.truth, { dashed: true });
+    else this.#ring(press, radius, this.onSkin.truth, { dashed: true, rest: true });
+  }
+
+  /** The outline of what touches, from many readings of it. */
+  #shape({ patch, pose, outline }) {
+    for (const line of outline) this.#polygon({ patch }, line, pose, this.onSkin.contact, { width: 2.6 });
+  }
+
+  /** A closed line on the skin at rest, of a body at a place and turn in the patch's plane. */
+  #polygon({ patch }, line, [x, y, turn], tint, look) {
+    if (line.length < 2) return;
+    const [c, s, last] = [Math.cos(turn), Math.sin(turn), line.length - 1];
+    const count = last * (look.dashed ? Math.ceil((2 * EDGE) / last) : 1); // a dashed one has few corners
+    this.#path(count, patch, tint, { width: 2, rest: true, ...look }, (t, out) => {
+      const k = Math.min(Math.floor(t * last), last - 1);
+      const [u, v] = [0, 1].map((axis) => line[k][axis] + (t * last - k) * (line[k + 1][axis] - line[k][axis]));
+      out[0] = x + c * u - s * v;
+      out[1] = y + s * u + c * v;
+    });
   }
 
   /** A press that was not found, or not yet. */
@@ -226,8 +262,8 @@ export class Marks {
     const [bx, by] = this.#pixel(tail, view);
     for (let part = 0; part < 4; part += 1) {
       const [x, y] = [ax + ((part + 0.5) / 4) * (bx - ax), ay + ((part + 0.5) / 4) * (by - ay)];
-      const tall = Math.max(10, Math.abs(by - ay) / 4);
-      this.kept.push({ x: x - 7, y: y - tall / 2, width: 14, height: tall, light: true });
+      const [wide, tall] = [Math.max(14, Math.abs(bx - ax) / 4), Math.max(10, Math.abs(by - ay) / 4)];
+      this.kept.push({ x: x - wide / 2, y: y - tall / 2, width: wide, height: tall, light: true });
     }
   }
 
@@ -246,13 +282,14 @@ export class Marks {
   }
 
   /** Where an arrow begins: inside the picture, if its tip is. */
-  #tail({ position, normal }, { patch, force }, view) {
+  #tail({ position, normal }, { patch, force, shear }, view) {
     // On a small patch of a large skin, an arrow of the patch's own size
     const side = this.patches.all.get(patch)?.about.side || this.size;
-    const long = arrowLength(force, Math.min(this.size, 1.8 * side));
+    const long = arrowLength(Math.hypot(force, shear?.size ?? 0), Math.min(this.size, 1.8 * side));
     const { tail } = this;
+    const back = against(normal, force, shear);
     for (const part of [1, 0.85, 0.7, 0.55, 0.4]) {
-      tail.set(...position).addScaledVector(this.seen.set(...normal), part * long);
+      tail.set(...position).addScaledVector(this.seen.set(...back), part * long);
       const [x, y] = this.#pixel(tail, view);
       if (x > EDGE_PX && y > EDGE_PX && x < view.width - EDGE_PX && y < view.height - EDGE_PX) break;
     }

@@ -82,6 +82,7 @@ export class SkinScene {
     this.marks.size = hello.size || 0.1;
     this.marks.contacts = [];
     this.marks.truth = [];
+    this.marks.shapes = [];
     this.marks.waiting = [];
     this.marks.focus = this.focusOf;
     this.marks.tool = null;
@@ -112,6 +113,7 @@ export class SkinScene {
     this.marks.contacts = head.contacts ?? [];
     this.marks.unit = forceUnit(head.relative);
     this.marks.truth = head.truth ?? [];
+    this.marks.shapes = head.shapes?.images ?? [];
     this.redraw();
   }
 

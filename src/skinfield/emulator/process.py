@@ -132,14 +132,16 @@ class VirtualProcess:
         patch: str | int = 0,
         taxel: int | None = None,
         id: str | None = None,
+        shear: tuple[float, float] = (0.0, 0.0),
     ) -> str:
         """Begin a press, at a point of the patch's plane, m, or on a taxel; its id.
 
-        With an `id` that is pressing already, that press is changed.
+        A ball or a flat end may push along the plane's x and y, N, with up to half its force. With
+        an `id` that is pressing already, that press is changed.
         """
         fields = {
             "do": "press", "id": id, "patch": patch, "x": x, "y": y, "taxel": taxel,
-            "force": force, "radius": radius, "shape": shape,
+            "force": force, "radius": radius, "shape": shape, "shear": shear,
         }  # fmt: skip
         return str(self.ask(fields)["id"])
 

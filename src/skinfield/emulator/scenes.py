@@ -8,14 +8,24 @@ from typing import Annotated, Any, NamedTuple, cast
 
 import numpy as np
 
-from skinfield.errors import FileError, InputError, check_choice, check_count, check_range
+from skinfield.errors import FileError, Floats, InputError, check_choice, check_count, check_range
 from skinfield.settings import Range, Section, text_of_file, value_from_json, value_from_toml
-from skinfield.simulate import Cylinder, Finger, Sphere
+from skinfield.simulate import Cylinder, Finger, HeightMap, Sphere
 from skinfield.simulate.habits import HABITS, REAL
 from skinfield.skin import Patch, Skin
 
 SOFT = dict(zip(("finger", "oval", "lobes"), HABITS[REAL].fingers, strict=True))
-SHAPES = ("ball", "flat", *SOFT)
+STAMPS = {  # flat faces, whose border has these corners, in half heights: strokes are half of one
+    "L": ((-0.75, -1), (0.75, -1), (0.75, -0.5), (-0.25, -0.5), (-0.25, 1), (-0.75, 1)),
+    "T": (
+        (-0.25, -1), (0.25, -1), (0.25, 0.5), (0.75, 0.5), (0.75, 1), (-0.75, 1), (-0.75, 0.5),
+        (-0.25, 0.5),
+    ),
+}  # fmt: skip
+PUSHED = ("ball", "flat")  # that can be pushed along the skin
+FRICTION = 0.5  # of the force into the skin: up to there they stick
+PIXELS = 80  # of a stamp's height
+SHAPES = ("ball", "flat", *SOFT, *STAMPS)
 FINGER = 10e-3  # m: about that of a fingertip
 EDGE = 0.5e-3  # m: rounding of a flat end, at most
 LARGEST = 30e-3  # m
@@ -42,15 +52,19 @@ class SceneTool:
     Parameters
     ----------
     radius : float, m
-        0.5 to 30 mm; rounded to 0.1 mm. The default is about a fingertip's.
-    shape : "ball", "flat", "finger", "oval" or "lobes"
+        0.5 to 30 mm; rounded to 0.1 mm. The default is about a fingertip's. Half the height of a
+        letter.
+    shape : "ball", "flat", "finger", "oval", "lobes", "L" or "T"
         A sphere, or the flat end of a cylinder with a rounded edge; or one of the soft fingers of
         real habits, round, oval or with two lobes along the patch's x, as large as the radius is to
-        10 mm.
+        10 mm; or a stamp, upright along the patch's y.
+    pushed : bool
+        Whether what is meant is what a push along the skin adds to its press.
     """
 
     radius: float = FINGER
     shape: str = "ball"
+    pushed: bool = False
 
     def __post_init__(self) -> None:
         check_choice("shape", self.shape, SHAPES, "what presses")
@@ -61,6 +75,12 @@ class SceneTool:
     def is_soft(self) -> bool:
         """Whether it yields: a finger."""
         return self.shape in SOFT
+
+    @property
+    def border(self) -> Floats:
+        """Corners of a stamp's face, closed, (N, 2) m about its middle; of others there is none."""
+        corners = STAMPS.get(self.shape, ())
+        return self.radius * np.array([*corners, *corners[:1]], float).reshape(-1, 2)
 
     @property
     def parts(self) -> tuple[tuple[float, float], ...]:
@@ -80,10 +100,23 @@ class SceneTool:
         """As an indenter of `skinfield.simulate`, with a `force` or a `depth`."""
         if self.is_soft:
             return Finger(width=SOFT[self.shape].width * self.radius / FINGER, **load)  # type: ignore[arg-type]
+        if self.shape in STAMPS:
+            return self._stamp(**load)
         if self.shape == "ball":
             return Sphere(radius=self.radius, **load)  # type: ignore[arg-type]
         edge = min(EDGE, self.radius / 2.0)
         return Cylinder(radius=self.radius, edge_radius=edge, **load)  # type: ignore[arg-type]
+
+    def _stamp(self, **load: float) -> HeightMap:
+        """Flat where a line to the right crosses the border an odd number of times."""
+        pixel = 2.0 * self.radius / PIXELS
+        axis = (np.arange(PIXELS) - (PIXELS - 1) / 2.0) * pixel
+        x, y = np.meshgrid(axis, axis)
+        inside = np.zeros(x.shape, np.bool_)
+        for (ax, ay), (bx, by) in pairwise(self.border.tolist()):
+            if ay != by:
+                inside ^= ((ay > y) != (by > y)) & (x < ax + (y - ay) * (bx - ax) / (by - ay))
+        return HeightMap(heights=np.where(inside, 0.0, np.nan), pixel=pixel, **load)  # type: ignore[arg-type]
 
 
 class Point(NamedTuple):
@@ -167,7 +200,7 @@ class Scene:
 class CurrentPress:
     """One press as it is now: at x, y, m, of a patch's plane, with a force, N.
 
-    `contact_radius`, m, is known once its table is.
+    `contact_radius`, m, is known once its table is; `shear` is the force along x and y, N.
     """
 
     id: str
@@ -177,6 +210,21 @@ class CurrentPress:
     y: float
     force: float
     contact_radius: float = 0.0
+    shear: tuple[float, float] = (0.0, 0.0)
+
+    def check_shear(self) -> None:
+        """Raise InputError for a push that slides, or of a body that is not pushed here."""
+        size = math.hypot(*self.shear)
+        if size > 0.0 and self.tool.shape not in PUSHED:
+            raise InputError(
+                f"shear is {self.shear} of a {self.tool.shape}, expected none: only "
+                f"{' and '.join(PUSHED)} are pushed along the skin here"
+            )
+        if not size <= FRICTION * self.force * (1.0 + 1e-9):
+            raise InputError(
+                f"shear is {size:.3g} N beside {self.force:g} N, expected at most {FRICTION:g} "
+                "times the force into the skin: beyond that it slides"
+            )
 
 
 def patch_index(skin: Skin, key: str | int | None) -> int:

@@ -274,6 +274,7 @@ class Request(Place):
     id: str | None = None
     patch: str | int | None = None
     force: Annotated[float | None, Range(1e-6, 1e4, "newtons")] = None
+    shear: tuple[float, float] | None = None
     radius: float = FINGER
     shape: str = "ball"
     fault: str = ""

@@ -38,7 +38,7 @@ class LineStore:
         self._presses = 0  # so far
         # ones: what is zero takes its memory only once it is written
         self._stamps, self._begins = np.ones((2, LINES), np.int64)
-        self._numbers = np.ones((PRESSES, 4))  # x, y, force, contact_radius
+        self._numbers = np.ones((PRESSES, 6))  # x, y, force, contact_radius, shear
         self._whose: list[Whose | None] = [None] * PRESSES
 
     def append(self, stamp_ns: int, touches: list[CurrentPress]) -> None:
@@ -49,7 +49,8 @@ class LineStore:
             place, whose = self._presses % PRESSES, (touch.id, touch.patch, touch.tool)
             before = self._whose[place - len(touches)]  # as a rule its own in the line before
             self._whose[place] = before if before == whose else whose
-            self._numbers[place] = touch.x, touch.y, touch.force, touch.contact_radius
+            numbers = touch.x, touch.y, touch.force, touch.contact_radius, *touch.shear
+            self._numbers[place] = numbers
             self._presses += 1
         self.made += 1
         self.last_ns, self.last_ids = stamp_ns, [touch.id for touch in touches]
@@ -66,7 +67,8 @@ class LineStore:
         for each in range(int(self._begins[row]), end):
             whose = self._whose[each % PRESSES]
             assert whose is not None  # it was written
-            touches.append(CurrentPress(*whose, *self._numbers[each % PRESSES].tolist()))
+            x, y, force, radius, along, across = self._numbers[each % PRESSES].tolist()
+            touches.append(CurrentPress(*whose, x, y, force, radius, (along, across)))
         return int(self._stamps[row]), touches
 
 
@@ -138,6 +140,7 @@ class TruthLog:
             "radius": touch.tool.radius,
             "shape": touch.tool.shape,
             "contact_radius": touch.contact_radius,
+            "shear": list(touch.shear),
         }
 
     def after(self, number: int, most: int) -> list[Line]:

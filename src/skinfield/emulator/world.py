@@ -10,7 +10,7 @@ import numpy as np
 
 from skinfield.elastic import Layer
 from skinfield.emulator.electronics import starts_of
-from skinfield.emulator.press_tables import Key, PressTable, PressTables
+from skinfield.emulator.press_tables import Key, PressTables, PushTable, ToolTable
 from skinfield.emulator.scenes import BodyPath, CurrentPress, Scene, SceneTool, patch_index
 from skinfield.emulator.transports import Request
 from skinfield.errors import Floats, InputError
@@ -71,8 +71,20 @@ class World:
     def _key(self, patch: int, tool: SceneTool) -> Key:
         return tool, self.skin.patches[patch].pad_diameter
 
-    def _table(self, touch: CurrentPress) -> PressTable | None:
+    def _table(self, touch: CurrentPress) -> ToolTable | None:
         return self._solving.get(self._key(touch.patch, touch.tool))
+
+    def _push_key(self, touch: CurrentPress) -> Key | None:
+        """Of what a push adds to the press, if it is pushed."""
+        return (
+            self._key(touch.patch, replace(touch.tool, pushed=True)) if any(touch.shear) else None
+        )
+
+    def _push_table(self, touch: CurrentPress) -> PushTable | None:
+        """Of a push, if there is one and it is solved: before, the press goes on without it."""
+        key = self._push_key(touch)
+        table = None if key is None else self._solving.get(key)
+        return table if isinstance(table, PushTable) else None
 
     def touches(self, time: float) -> list[CurrentPress]:
         """Presses at a time, s, of the scene."""
@@ -109,15 +121,20 @@ class World:
             rows = slice(self._starts[touch.patch], self._starts[touch.patch + 1])
             away = self._plane[rows] - (touch.x, touch.y)
             for along, part in touch.tool.parts:
-                distance = np.hypot(away[:, 0] - along, away[:, 1])
-                change[rows] += table.readings(distance, part * touch.force)
-            found.append(replace(touch, contact_radius=table.radius_at(touch.force)))
+                change[rows] += table.readings(away - (along, 0.0), part * touch.force)
+            push = self._push_table(touch)
+            if push is not None:
+                change[rows] += push.added(away, touch.force, np.array(touch.shear))
+            shear = (0.0, 0.0) if push is None else touch.shear
+            radius = table.radius_at(touch.force)
+            found.append(replace(touch, contact_radius=radius, shear=shear))
         return found
 
     def poll(self) -> None:
         """Take in tables that are solved by now; a press that is too hard for its own is let go."""
         if not self._solve():
             return
+        self._published = None
         for touch in list(self._by_hand.values()):
             table = self._table(touch)
             try:
@@ -131,6 +148,7 @@ class World:
     def _solve(self) -> bool:
         presses = self._by_hand.values()
         wanted = [self._key(each.patch, each.tool) for each in presses]
+        wanted = [*(key for each in presses if (key := self._push_key(each))), *wanted]
         return self._solving.poll(wanted, self._ahead)
 
     def prepare(self, request: Request) -> dict[str, Any]:
@@ -146,11 +164,12 @@ class World:
 
     def tools(self, request: Request) -> dict[str, Any]:
         """Tools that press at once anywhere, and those being solved, with the share done."""
-        solved = dict.fromkeys(tool for tool, _ in self._solving.solved)
+        solved = dict.fromkeys(tool for tool, _ in self._solving.solved if not tool.pushed)
         ready = [tool for tool in solved if self._solving.solved.issuperset(self._keys(tool))]
         shares: dict[SceneTool, float] = {}
         for (tool, _), share in self._solving.shares.items():
-            shares[tool] = min(share, shares.get(tool, 1.0))
+            if not tool.pushed:
+                shares[tool] = min(share, shares.get(tool, 1.0))
         return {
             "ready": [_plain(tool) for tool in ready],
             "preparing": [_plain(tool) | {"share": share} for tool, share in shares.items()],
@@ -158,8 +177,12 @@ class World:
 
     @property
     def waits(self) -> list[str]:
-        """Presses by hand whose body is still being solved."""
-        return [touch.id for touch in self._by_hand.values() if self._table(touch) is None]
+        """Presses by hand whose body is still being solved, or their push."""
+        return [
+            touch.id
+            for touch in self._by_hand.values()
+            if self._table(touch) is None or (any(touch.shear) and self._push_table(touch) is None)
+        ]
 
     def press(self, request: Request) -> dict[str, Any]:
         """Begin a press by hand, see `docs/how-to/virtual-skin.md`; what came of it."""
@@ -175,7 +198,8 @@ class World:
         before = self._by_hand.get(name)
         if before is not None and before.tool == tool:  # the same objects: the truth keeps them
             name, tool = before.id, before.tool
-        touch = CurrentPress(name, patch, tool, x, y, force)
+        touch = CurrentPress(name, patch, tool, x, y, force, shear=request.shear or (0.0, 0.0))
+        touch.check_shear()
         table = self._table(touch)
         if table is not None:
             table.check_force(force, tool)
@@ -194,7 +218,10 @@ class World:
         table = self._table(touch)
         if request.force is not None and table is not None:
             table.check_force(force, touch.tool)
-        self._by_hand[touch.id] = replace(touch, x=x, y=y, force=force)
+        shear = touch.shear if request.shear is None else request.shear
+        moved = replace(touch, x=x, y=y, force=force, shear=shear)
+        moved.check_shear()
+        self._by_hand[touch.id] = moved
         return {"id": touch.id, "x": x, "y": y, "force": force}
 
     def release(self, request: Request) -> dict[str, Any]:

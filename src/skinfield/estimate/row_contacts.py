@@ -99,13 +99,28 @@ def force_of(row: Any) -> Floats:
 
 def force_covariance_of(surface: Surface, row: Any) -> Floats:
     """Covariance (3, 3) of `force_of`, N²; NaN where a row does not say it."""
-    normal, (xx, xy, yy) = np.asarray(row["normal"]), np.asarray(row["shear_covariance"]).tolist()
+    normal, axes = np.asarray(row["normal"]), _tangents(surface, row)
+    along = axes @ _shear_covariance(row) @ axes.T
+    return np.asarray(along + covariance_of(row)[2, 2] * np.outer(normal, normal))
+
+
+def shear_of(surface: Surface, row: Any) -> tuple[Floats, Floats]:
+    """Force along the skin of a row by the plane's x and y, (2,) N, and its covariance, N²."""
+    return np.asarray(row["shear"] @ _tangents(surface, row)), _shear_covariance(row)
+
+
+def _shear_covariance(row: Any) -> Floats:
+    xx, xy, yy = np.asarray(row["shear_covariance"]).tolist()
+    return np.array([[xx, xy], [xy, yy]])
+
+
+def _tangents(surface: Surface, row: Any) -> Floats:
+    """Unit vectors (3, 2) along the skin at a row's place: by the plane's x, and across it."""
+    normal = np.asarray(row["normal"])
     ahead = np.array([[row["x"] - STEP, row["y"]], [row["x"] + STEP, row["y"]]])
     east = np.subtract(*surface.position_from_plane(ahead)[::-1])
     east = east - (east @ normal) * normal
-    axes = np.stack([east, np.cross(normal, east)], axis=1) / np.linalg.norm(east)
-    along = axes @ np.array([[xx, xy], [xy, yy]]) @ axes.T
-    return np.asarray(along + covariance_of(row)[2, 2] * np.outer(normal, normal))
+    return np.asarray(np.stack([east, np.cross(normal, east)], axis=1) / np.linalg.norm(east))
 
 
 def moved_rows(rows: NDArray[np.void], grid: Grid, shift: Floats) -> NDArray[np.void]:

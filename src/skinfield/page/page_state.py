@@ -14,6 +14,7 @@ from weakref import WeakKeyDictionary
 from skinfield.errors import SkinfieldError
 from skinfield.loop.snapshot import Snapshot
 from skinfield.loop.status_text import preparing_of
+from skinfield.page.contact_shapes import ShapeProcesses
 from skinfield.page.controller import Controller
 from skinfield.page.scene_layout import SceneLayout
 from skinfield.page.source import DataSource
@@ -104,6 +105,7 @@ class PageState:
         self.opened: list[DataSource] = []  # recordings, each looked at by one browser
         self._tried: WeakKeyDictionary[DataSource, float] = WeakKeyDictionary()
         self.sessions = 0
+        self.shapes = ShapeProcesses()
         self._update_pool = ThreadPoolExecutor(1, "page-updates")
         self._command_pool = ThreadPoolExecutor(1, "page-commands")
         self._query_pool = ThreadPoolExecutor(1, "page-queries")
@@ -111,6 +113,7 @@ class PageState:
 
     def shut_down(self) -> None:
         """End the pools, once nothing is served any more."""
+        self._query_pool.submit(self.shapes.close).result()
         for pool in (self._update_pool, self._command_pool, self._query_pool):
             pool.shutdown(wait=True, cancel_futures=True)
 
@@ -166,6 +169,8 @@ class PageState:
         await self.refresh()
         for level, text in self.controller.notices():
             self._notice(level, text)
+        for text in await self._query(lambda: self.shapes.tend(self.layout.sources)):
+            self._notice("warn", text)
         await self._query(self._prepare)
 
     async def refresh(self) -> None:

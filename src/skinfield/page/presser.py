@@ -1,18 +1,22 @@
 """Presses of a virtual skin from the page."""
 
+import math
 import threading
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import Any, NamedTuple, Protocol
 
+from skinfield.emulator.scenes import FRICTION, PUSHED
 from skinfield.errors import InputError, check_choice, check_range
 
-SHAPES = ("ball", "flat", "finger")
+SHAPES = ("ball", "flat", "finger", "L", "T")
 COMMON = {  # radii, m, of tools that are ready before anybody asks for them
     "ball": (5e-3, 10e-3, 20e-3),
     "flat": (3e-3, 6e-3),
     "finger": (10e-3,),
+    "L": (8e-3,),
+    "T": (8e-3,),
 }
 RADII = (1e-3, 20e-3)  # m
 FORCES = (0.05, 5.0)  # N
@@ -37,6 +41,8 @@ class PressRequest(NamedTuple):
         None: as before.
     radius : float, m, or None
     shape : str
+    shear : (x, y), N, or None
+        Along the skin, in the patch's plane; more than friction holds is taken for what it holds.
     """
 
     id: str
@@ -46,6 +52,17 @@ class PressRequest(NamedTuple):
     force: float | None = None
     radius: float | None = None
     shape: str = "ball"
+    shear: tuple[float, float] | None = None
+
+
+def _held(press: PressRequest) -> tuple[float, float]:
+    """What of a push friction holds, N; none of a body that is not pushed."""
+    x, y = press.shear or (0.0, 0.0)
+    size, most = math.hypot(x, y), FRICTION * (press.force or 0.0)
+    if size == 0.0 or press.shape not in PUSHED:
+        return 0.0, 0.0
+    part = min(1.0, most / size)
+    return x * part, y * part
 
 
 class Virtual(Protocol):
@@ -90,6 +107,7 @@ class Presser:
             "force": force,
             "scenes": SCENES,
             "common": COMMON,
+            "friction": FRICTION,
         }
 
     def tools(self) -> dict[str, Any]:
@@ -171,13 +189,14 @@ class Presser:
                 force=before.force if press.force is None else press.force,
                 shape=before.shape if press.radius is None else press.shape,
                 radius=before.radius if press.radius is None else press.radius,
+                shear=before.shear if press.shear is None else press.shear,
             )
         if press.force is None or press.radius is None:
             raise InputError(f"press {press.id!r} is new, expected its force and radius")
         check_range("force", press.force, *FORCES, "newtons")
         check_range("radius", press.radius, *RADII, "metres")
         check_choice("shape", press.shape, SHAPES, "what presses")
-        return press
+        return press._replace(shear=_held(press))
 
     def _do(self, press: PressRequest) -> None:
         self._virtual.ask({"do": "press", **press._asdict()})

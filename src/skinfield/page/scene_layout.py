@@ -61,6 +61,12 @@ class PlacedPatch:
         x, y = grid.plane[node] + along
         return float(x), float(y)
 
+    def along_of(self, vector: Floats, x: float, y: float) -> tuple[float, float]:
+        """Parts along the plane's x and y, at a place of it, of a vector (3,) of the picture."""
+        frame = self.patch.surface.frame_from_plane(np.array([[x, y]]))[0]
+        along, across = (vector @ self.pose[:3, :3]) @ frame[:, :2]
+        return float(along), float(across)
+
 
 class SceneLayout:
     """All patches of some sources, counted through.

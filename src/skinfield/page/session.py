@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from skinfield.errors import InputError, SkinfieldError, check_choice
+from skinfield.errors import Floats, InputError, SkinfieldError, check_choice
 from skinfield.page.page_state import PageState
 from skinfield.page.presser import PressRequest
 from skinfield.page.scene_layout import SceneLayout
@@ -48,22 +48,31 @@ def number(command: Command, key: str, low: float, high: float, what: str) -> fl
     return float(value)  # type: ignore[arg-type]
 
 
+def vector(command: Command, key: str, most: float, what: str) -> Floats:
+    """Three numbers of the picture's frame; raises InputError."""
+    value = command.get(key)
+    if (
+        not isinstance(value, list)
+        or len(value) != 3
+        or not all(_is_number(each, -most, most) for each in value)
+    ):
+        raise InputError(f"{key} is {value!r:.80}, expected three numbers in {what}")
+    return np.array(value, float)
+
+
 def press_of(command: Command, layout: SceneLayout, browser: int) -> PressRequest:
     """A press at a place of the picture; raises InputError."""
     placed = layout[command.get("patch")]
-    place = command.get("position")
-    if (
-        not isinstance(place, list)
-        or len(place) != 3
-        or not all(_is_number(each, -FAR, FAR) for each in place)
-    ):
-        raise InputError(f"position is {place!r:.80}, expected three numbers in metres")
-    x, y = placed.plane_of(np.array(place, float))
+    place = vector(command, "position", FAR, "metres")
+    x, y = placed.plane_of(place)
     force = None if "force" not in command else number(command, "force", 0.0, 100.0, "newtons")
     radius = None if "radius" not in command else number(command, "radius", 1e-4, 0.1, "metres")
     shape = text(command, "shape") if "shape" in command else "ball"
+    shear = None
+    if "shear" in command:
+        shear = placed.along_of(vector(command, "shear", 100.0, "newtons"), x, y)
     name = f"{browser}-{text(command, 'id')}"[:40]
-    return PressRequest(name, placed.patch.name, x, y, force, radius, shape)
+    return PressRequest(name, placed.patch.name, x, y, force, radius, shape, shear)
 
 
 def _is_number(value: Any, low: float, high: float) -> bool:
@@ -130,6 +139,7 @@ class Session:
         except ConnectionClosed:
             pass
         finally:
+            self._state.shapes.viewers.discard(self._number)
             for task in self._tasks:
                 task.cancel()
             listening.cancel()
@@ -229,13 +239,16 @@ class Session:
         else:
             views, truth = state.controller.views(layout.sources), state.truth
         numbers = [None if s.snapshot is None else s.snapshot.number for s in views]
+        shapes = None
+        if replay is None and self._number in state.shapes.viewers:
+            shapes = state.shapes.newest(layout.sources)
         key = (numbers, [view.old for view in views], truth, updates.quantity)
         if key == self._last and not anyhow:
             return []
         self._last = key
         self._count += 1
         time_s = None if replay is None else replay.time_s
-        return updates.make(self._count, views, truth, time_s)
+        return updates.make(self._count, views, truth, time_s, shapes)
 
     # what it commands
 
@@ -279,6 +292,10 @@ class Session:
             return {}
         if do == "show":
             self._updates.show(command.get("quantity"))
+            return {}
+        if do == "shapes":
+            viewers = state.shapes.viewers
+            (viewers.add if flag(command, "on") else viewers.discard)(self._number)
             return {}
         if do == "replay":
             return await self._replay_command(command)

@@ -9,13 +9,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from skinfield.emulator.scenes import STAMPS, SceneTool
 from skinfield.errors import Floats, InputError
 from skinfield.estimate import Estimate
 from skinfield.estimate.contact_table import RELATIVE
-from skinfield.estimate.row_contacts import covariance_of, outline_of, shape_name
+from skinfield.estimate.row_contacts import covariance_of, outline_of, shape_name, shear_of
 from skinfield.loop import Answer
 from skinfield.loop.slots import CycleHead
 from skinfield.loop.snapshot import Snapshot
+from skinfield.page.contact_shapes import NOT_HERE, ContactShapes
 from skinfield.page.scene_layout import PlacedPatch, SceneLayout
 from skinfield.page.source import OLD, EngineView
 from skinfield.page.timeline import lines, rows_of
@@ -47,12 +49,19 @@ def finite(value: Any) -> float | None:
     return found if math.isfinite(found) else None
 
 
+def shear_told(shear: Floats, vector: Floats) -> dict[str, Any]:
+    """A force along the skin by the plane's x and y, and as a vector of the picture, N and rad."""
+    angle = math.atan2(shear[1], shear[0])
+    return {"size": float(np.hypot(*shear)), "angle": angle, "vector": vector.tolist()}
+
+
 Array = NDArray[Any]
 QUANTITIES = {"pressure": "Pa", "deformation": "m", "uncertainty": "Pa", "taxels": ""}
 DEAD = 255  # of a taxel that is left out; others reach 254
 FULL = 254
 LASTS = 5.0  # s for which the last contacts of a patch are shown while no reading comes
 DOUBT = 3.0  # noise deviations of a linear answer's pressure, up to which it has no colour
+SURE = 4.605  # quantile of χ² of two numbers at 0.9: a shear beyond it is shown, others are not
 STRONG = 30.0  # noise deviations that a dot of a taxel is full at, at the least
 
 
@@ -84,6 +93,11 @@ class Parcel:
         """Add an array; its place among them."""
         self.arrays.append((name, array))
         return len(self.arrays) - 1
+
+
+def stamp_of(press: Mapping[str, Any]) -> SceneTool | None:
+    """The stamp that presses, if one does."""
+    return SceneTool(press["radius"], press["shape"]) if press["shape"] in STAMPS else None
 
 
 class SeenContacts(NamedTuple):
@@ -137,6 +151,7 @@ class Updates:
         views: Sequence[EngineView],
         truth: Sequence[Mapping[str, Any]],
         time_s: float | None = None,
+        shapes: Sequence[ContactShapes | None] | None = None,
     ) -> list[bytes]:
         """Messages of one update: geometry that it needs, then the update itself.
 
@@ -150,6 +165,8 @@ class Updates:
             Presses of a virtual skin as it tells them.
         time_s : float, s, optional
             On the time bar of a replay.
+        shapes : sequence of ContactShapes or None, optional
+            As many as the layout has sources: those that make images. Default nobody looks.
         """
         parcel, patches, contacts = Parcel(), [], []
         for place, each in enumerate(self.layout.placed):
@@ -178,11 +195,26 @@ class Updates:
             "old": bool(known) and all(each.old for each in views if each.snapshot is not None),
             "truth": [found for press in truth if (found := self._truth(press)) is not None],
         }
+        if shapes is not None:
+            head["shapes"] = self._shapes(shapes)
         if time_s is not None:
             head["time_s"] = time_s
         else:
             head["rows"] = self._rows(known)
         return [*parcel.geometry, packed(head, parcel.arrays)]
+
+    def _shapes(self, processes: Sequence[ContactShapes | None]) -> dict[str, Any]:
+        """Images of contacts with the numbers of their patches; why there are none, if so."""
+        images: list[dict[str, Any]] = []
+        for number, each in enumerate(self.layout.placed):
+            process = processes[self.layout.sources.index(each.source)]
+            found = () if process is None else process.newest()
+            images += [one | {"patch": number} for one in found if one["patch"] == each.patch.name]
+        there = [each for each in processes if each is not None]
+        why = "" if there else NOT_HERE
+        if there and not any(each.ready for each in there):
+            why = "being prepared"
+        return {"images": images, "why": why}
 
     def _rows(self, known: Sequence[Snapshot]) -> list[str]:
         """Lines of the table of contacts; the time of the first is 0."""
@@ -327,6 +359,7 @@ class Updates:
                 "patch": number,
                 "place_cov": [finite(each) for each in covariance_of(row)[[0, 0, 1], [0, 1, 1]]],
                 "shape": shape_name(row),
+                "shear": self._shear(each, row),
                 "radius": finite(row["radius"]),
                 "maybe": int(row["maybe"]),
                 "answer": WORDS[Answer(int(patch["answer"]))],
@@ -343,17 +376,32 @@ class Updates:
             })  # fmt: skip
         return rows
 
+    def _shear(self, each: PlacedPatch, row: Any) -> dict[str, Any] | None:
+        """Force along the skin of a row, where it is more than nine in ten of its noise."""
+        shear, covariance = shear_of(each.patch.surface, row)
+        size, known = float(np.hypot(*shear)), bool(np.isfinite(covariance).all())
+        if not (size > 0.0 and known and np.linalg.det(covariance) > 0.0):
+            return None
+        if shear @ np.linalg.solve(covariance, shear) < SURE:
+            return None
+        std = math.sqrt(shear @ covariance @ shear) / size
+        return shear_told(shear, each.turned(row["shear"][None])[0]) | {"std": std}
+
     def _truth(self, press: Mapping[str, Any]) -> dict[str, Any] | None:
         """A press as the picture shows it; None where its patch is none of the picture's."""
         for number, each in enumerate(self.layout.placed):
             if each.patch.name != press["patch"]:
                 continue
             surface, plane = each.patch.surface, np.array([[press["x"], press["y"]]])
-            normal = surface.frame_from_plane(plane)[:, :, 2]
+            frame = surface.frame_from_plane(plane)[0]
+            shear = np.array(press.get("shear", (0.0, 0.0)))
+            told = shear_told(shear, each.turned((frame[:, :2] @ shear)[None])[0])
             names = ("id", "x", "y", "force", "shape", "radius", "contact_radius")
             return {name: press[name] for name in names} | {
                 "patch": number,
+                "shear": told if shear.any() else None,
+                "border": stamp.border.tolist() if (stamp := stamp_of(press)) else None,
                 "position": each.in_scene(surface.position_from_plane(plane))[0].tolist(),
-                "normal": each.turned(normal)[0].tolist(),
+                "normal": each.turned(frame[None, :, 2])[0].tolist(),
             }
         return None
