@@ -4,7 +4,7 @@ A wrong layer leaves hardly a residual, as place, force and size of a contact ma
 marginal likelihood of contacts that are fitted anew by each layer shows it (MacKay 2003,
 Information Theory, chapter 28), by some nats a press. Touches over one taxel count as one together:
 what its gain is off tells the same over and over. And no place tells more than a body does that is
-unlike the model by chance, so its evidence for any layer over another ends at 55 to 1.
+unlike the model by chance, so its evidence for any layer over another ends at 12 to 1.
 """
 
 from collections.abc import Mapping, Sequence
@@ -21,13 +21,14 @@ from skinfield.errors import Floats, InputError, Ints, as_floats, check_type
 from skinfield.plot import Pictured, Place, drawing, number, plural
 from skinfield.skin import Grid, Patch
 from skinfield.solve import ContactFit
-from skinfield.solve.atoms.mechanics_choice import MOST_TOLD, UNLIKELY
+from skinfield.solve.atoms.mechanics_choice import UNLIKELY
 
 FEWEST, ENOUGH = 3, 20  # touches: at least, and that tell any of the usual layers from another
 SURE, HIGHEST = 0.95, 0.99  # probability, from which a layer is named; that is stated at most
 RATIOS = (0.5, 0.45, 0.4)  # Poisson's: of rubber, of one that is soft or has bubbles, of a foam
 UNLIKE_RATIO = 0.02  # by which another ratio differs from the stated one at least
 THINNER, THICKER = 0.8, 1.25  # times the stated thickness
+MOST_TOLD = 2.5  # ln odds by one place: more of them, and wrong layers are named too often
 POOR = 0.1  # of what taxels read: a model error, beyond which no layer explains the touches
 NODES = 8  # of the grid, which no evidence needs
 
