@@ -8,3 +8,6 @@ from skinfield.calibrate.by_touch import TouchCalibration as TouchCalibration
 from skinfield.calibrate.by_touch import touch as touch
 from skinfield.calibrate.file import load_calibration as load_calibration
 from skinfield.calibrate.file import save_calibration as save_calibration
+from skinfield.calibrate.layer_comparison import LayerComparison as LayerComparison
+from skinfield.calibrate.layer_comparison import LayerModel as LayerModel
+from skinfield.calibrate.layer_comparison import compare_layers as compare_layers

@@ -40,7 +40,7 @@ from skinfield.errors import (
 from skinfield.signal import Calibration
 from skinfield.skin import Patch
 
-LEAST, BALLS = 20, 12  # presses, and those of them that a ball explains
+LEAST, USUAL, BALLS = 20, 100, 12  # presses, what is usual, and those that a ball explains
 SILENT = 4.0  # deviations of a reading: a taxel that never reads more is dead, if it should
 FREEDOM = 4.0  # deviations of chi-squared, beyond which a press is no ball: it is left out
 SLACK = 1.5  # times the median press's chi-squared, above which it may be left out
@@ -255,7 +255,7 @@ def touch(
     why = "in metres, how far taxels are from their places: 0.3e-3 is usual"
     check_range("place_std", place_std, 0.0, patch.pitch, why)
     table = as_floats("readings", readings)
-    found = _presses(table, patch, quantity, noise_std)
+    found = checked_presses(table, patch, quantity, noise_std, LEAST, USUAL)
     known = _known_forces(known_force, found.row)
     values, heard = np.nan_to_num(found.readings), np.isfinite(found.readings)
     silent = (values < SILENT * found.noise).all(axis=0)
@@ -300,10 +300,15 @@ def _known_forces(known_force: ArrayLike | None, row: NDArray[np.int64]) -> Floa
     return known
 
 
-def _presses(
-    table: Floats, patch: Patch, quantity: Quantity, noise_std: ArrayLike | None
+def checked_presses(
+    table: Floats,
+    patch: Patch,
+    quantity: Quantity,
+    noise_std: ArrayLike | None,
+    least: int,
+    usual: int,
 ) -> Presses:
-    """Presses in readings (T, L) that were checked."""
+    """Presses in readings (T, L), `least` or more and better `usual`; see `touch`."""
     check_shape("readings", table, (None, len(patch)), "readings and taxels of the patch")
     check_finite("readings", np.nan_to_num(table, posinf=np.inf, neginf=-np.inf), "or NaN")
     noise = None
@@ -317,11 +322,11 @@ def _presses(
         if not (np.isfinite(noise) & (noise > 0.0)).all():
             raise InputError(f"noise_std is {noise.min()}, expected above 0: no reading is exact")
     found = presses(table, noise)
-    if len(found.readings) < LEAST:
+    if len(found.readings) < least:
         raise InputError(
             f"readings hold {len(found.readings)} touches above {STRONG:g} times the noise "
-            f"({np.median(found.noise_std):.2g}), expected {LEAST} or more, better a hundred, all "
-            f"over the patch: add {LEAST - len(found.readings)} or more; if their noise is "
+            f"({np.median(found.noise_std):.2g}), expected {least} or more, better {usual}, all "
+            f"over the patch: add {least - len(found.readings)} or more; if their noise is "
             "another, state it (noise_std=, --noise)"
         )
     highest = float(np.percentile(np.nanmax(found.readings, axis=1), 90.0))

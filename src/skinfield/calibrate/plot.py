@@ -1,18 +1,32 @@
 """Figures of calibrations: errors of taxels, gains on the patch."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from skinfield.calibrate.by_pressure import PressureCalibration
 from skinfield.errors import Floats
-from skinfield.plot import BLUE, INK, ORANGE, QUIET, new_figure, open_axes, style
+from skinfield.plot import (
+    BLUE,
+    INK,
+    ORANGE,
+    QUIET,
+    Place,
+    add_title,
+    axes_for,
+    new_figure,
+    open_axes,
+    plural,
+    style,
+)
 from skinfield.skin import Patch
 from skinfield.skin.maps import MM
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from skinfield.calibrate.layer_comparison import LayerComparison
 
 
 def draw_errors(made: PressureCalibration) -> "Figure":
@@ -72,3 +86,30 @@ def draw_gains(patch: Patch, gain: Floats, label: str) -> "Figure":
         bar.set_label(label)
         open_axes(axes)
     return figure
+
+
+def draw_layers(made: "LayerComparison") -> "Figure":
+    """Figure of the probability of each layer."""
+    figure = new_figure()
+    plot_layers(made, figure)
+    return figure
+
+
+def plot_layers(made: "LayerComparison", ax: Place = None) -> Any:
+    """Draw the probability of each layer; see `LayerComparison.plot`."""
+    names, probability = [model.name for model in made.models], made.probability
+    likely = [model in made.likely for model in made.models]
+    with style():
+        axes = axes_for(ax, (4.2, 0.32 * len(names)), (2.6, 0.55, 0.5, 0.6))
+        colours = [ORANGE if one else QUIET for one in likely]
+        axes.barh(names, probability, color=colours, height=0.6)
+        for row, share in enumerate(probability.tolist()):
+            axes.text(share, row, f" {share:.2f}", va="center", fontsize=9)
+        axes.set_xlim(0.0, 1.0)
+        axes.invert_yaxis()
+        axes.set_axisbelow(True)
+        axes.set_xlabel("probability")
+        open_axes(axes)
+        touches = plural(len(made.place), "touch", "touches")
+        add_title(axes, "", "Which layer the skin has", f"by {touches}")
+    return axes

@@ -1,7 +1,7 @@
 """`skinfield calibrate`: what a known load says about the skin."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from cyclopts import Parameter
@@ -15,13 +15,15 @@ from skinfield.errors import Floats, InputError, check_positive
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from skinfield.calibrate import ForceCalibration, PressureCalibration, TouchCalibration
+    from skinfield.calibrate import (
+        ForceCalibration,
+        LayerComparison,
+        PressureCalibration,
+        TouchCalibration,
+    )
     from skinfield.cli.calibration_inputs import Series
     from skinfield.cli.reconstruct_jobs import JobPlan
-    from skinfield.elastic import Layer
-    from skinfield.reconstruct.diagnostics import Conditioning
     from skinfield.reconstruct.serialisation import ReconstructorConfig
-    from skinfield.signal import Calibration
     from skinfield.skin import Patch
     from skinfield.skin.log import LogSettings
 
@@ -36,6 +38,11 @@ TaxelColumns = Annotated[
 CalibrationFile = Annotated[
     str | None, options.OUTPUT, Parameter(help="Calibration file (.toml, .npz).")
 ]
+LAYERS = (
+    report.Column("layer", "layer"), report.Column("probability", "probability", decimals=2),
+    report.Column("model error %", "model_error", 100.0, 1),
+    report.Column("forces, of the stated", "force_ratio", decimals=2),
+)  # fmt: skip
 ReportFolder = Annotated[
     str | None, Parameter(name="--report", help="DIR for a page with figures and a verdict.")
 ]
@@ -44,6 +51,7 @@ calibrate = new_app(
     "calibrate",
     """Calibrate a skin against loads that are known, and try the calibration on another recording.
 
+  skinfield calibrate layer touches.csv --skin palm.toml
   skinfield calibrate touch presses.csv --skin palm.toml -o cal.toml --report palm
   skinfield calibrate force palm.csv scale.csv --skin palm.toml -o cal.toml --report palm
   skinfield calibrate pressure bag.csv gauge.csv --unit kPa -o cal.toml
@@ -325,6 +333,8 @@ def touch(
     """
     from skinfield.calibrate import touch as fit
     from skinfield.calibrate.plot import draw_gains
+    from skinfield.cli.calibration_inputs import presses_in
+    from skinfield.cli.calibration_report import facts_of_touches
     from skinfield.cli.reconstruct_jobs import JobPlan
 
     _check_files(output, report_folder, force)
@@ -332,11 +342,9 @@ def touch(
         raise InputError("--known and --at belong together: a force, and when it pressed")
     if known is not None:
         check_positive("--known", known, "the force in N of what presses during --at")
-    if not recordings:
-        raise InputError("RECORDING is missing, expected one or more of presses")
     plan = JobPlan.of(layout, patch, counts, elastomer, ModelSettings())
     layer, how = options.layer_of(plan.elastomer), options.conditioning_of(plan.patch, plan.counts)
-    presses = _presses_in(recordings, plan, layer, how)
+    presses = presses_in(recordings, plan, layer, how)
     forces = None
     if known is not None:
         forces = np.full(len(presses.readings), np.nan)
@@ -353,68 +361,64 @@ def touch(
     beside = 100.0 * (made.gain - 1.0)
     gains = {"Gain of each taxel": draw_gains(plan.patch, beside, "gain beside the others (%)")}
     report.say_notes(presses.notes)
-    facts, result = _said_of_touches(made, recordings)
+    facts, result = facts_of_touches(made, recordings)
     shown = "Calibration by touch", facts, gains if report_folder else {}, presses.notes
     _finish(made, result, shown, output, report_folder, as_json)
 
 
-class _Presses(NamedTuple):
-    """Readings (T, L) above the rest of their recording, and notes.
+@calibrate.command
+def layer(
+    *recordings: Annotated[str, Parameter(name="RECORDING", negative=())],
+    layout: options.LayoutText,
+    patch: options.PatchName = None,
+    report_folder: ReportFolder = None,
+    force: options.Force = False,
+    as_json: options.Json = False,
+    counts: options.Counts = options.CountSettings(),
+    elastomer: options.OfElastomer = Elastomer(),
+    model: options.Model = ModelSettings(),
+) -> None:
+    """Compare the layer that is stated with others, by touches of which nothing is known.
 
-    And their stamps (T,), ns; of the first recording how many there are, its rest (L,), and the
-    calibration of counts, if any.
+    Twenty touches of anything, all over the skin, tell whether it reads as the thickness, Poisson's
+    ratio and cover that are stated, or like a softer elastomer, a foam, one with another cover, a
+    thinner or a thicker one, each with its probability. What reads alike is named together.
+
+      skinfield calibrate layer touches.csv --skin palm.toml
+      skinfield calibrate layer touches.csv --skin palm.toml --thickness-mm 3 --poisson 0.45
+
+    Parameters
+    ----------
+    *recordings : str
+        Of the touches, one or more. Each has a rest of its own, as read between them.
     """
+    from skinfield.calibrate import compare_layers
+    from skinfield.calibrate.plot import draw_layers
+    from skinfield.cli.calibration_inputs import presses_in
+    from skinfield.cli.reconstruct_jobs import JobPlan
+    from skinfield.elastic import BondedLayer
 
-    readings: Floats
-    notes: tuple[str, ...]
-    stamps: NDArray[np.int64]
-    first: int
-    rest: Floats
-    calibration: "Calibration | None"
-
-
-def _presses_in(
-    recordings: tuple[str, ...], plan: "JobPlan", layer: "Layer", how: "Conditioning"
-) -> _Presses:
-    """Presses of all recordings, one after the other."""
-    from skinfield.calibrate.touch_presses import between, noise_of_differences
-    from skinfield.elastic import Capacitance
-    from skinfield.files import open_recording
-    from skinfield.files.recordings.matching import readings_for
-    from skinfield.reconstruct.diagnostics import condition
-
-    found = [readings_for(open_recording(each, log=plan.log), plan.patch) for each in recordings]
-    every = [condition(each, plan.patch, layer, Capacitance(), how) for each in found]
-    readings, each = np.concatenate([values for values, _ in every]), how.noise_std
-    noise = noise_of_differences(readings) if each is None else np.full(len(plan.patch), each)
-    rests = [between(values, noise) for values, _ in every]
-    readings -= np.repeat(rests, [len(values) for values, _ in every], axis=0)
-    notes = tuple(dict.fromkeys(note for _, survey in every for note in survey.notes))
-    calibration = every[0][1].conditioner.calibration
-    stamps = np.concatenate([each.stamp_ns for each in found])
-    return _Presses(readings, notes, stamps, len(found[0].stamp_ns), rests[0], calibration)
-
-
-def _said_of_touches(
-    made: "TouchCalibration", recordings: tuple[str, ...]
-) -> tuple[dict[str, str], dict[str, Any]]:
-    """What a page and a program are told of a calibration by touches."""
-    facts = {
-        "recording": ", ".join(recordings), "presses": f"{made.presses}, {made.left_out} left out",
-        "thickness": f"{made.thickness * 1e3:.3f} ± {made.thickness_std * 1e3:.3f} mm",
-        "Poisson's ratio": f"{made.poisson_ratio:.4f} ± {made.poisson_std:.4f}",
-        "cover": "yes" if made.covered else "no", "model error": f"{made.model_error:.1%}",
-        "forces": "relative" if made.relative else "newtons",
-    }  # fmt: skip
-    creep = made.relaxation
-    if creep is not None:
-        facts["creep"] = f"{1.0 - creep.relaxed_fraction:.1%} within {creep.time_constant:.3g} s"
-    return facts, {
-        "thickness_mm": made.thickness * 1e3, "poisson": made.poisson_ratio,
-        "covered": made.covered, "modulus_kpa": made.young_modulus * 1e-3,
-        "relative": made.relative, "presses": made.presses, "verdict": made.verdict,
-        "relaxed_fraction": made.relaxed_fraction, "relaxation_s": made.relaxation_time,
-    }  # fmt: skip
+    _check_files(None, report_folder, force)
+    plan = JobPlan.of(layout, patch, counts, elastomer, model)
+    stated, how = options.layer_of(plan.elastomer), options.conditioning_of(plan.patch, plan.counts)
+    held = options.mechanics_of(plan.model.mechanics or "")
+    if not isinstance(held, BondedLayer):
+        raise InputError(
+            "--mechanics is half-space, expected layer or covered-layer, which have a thickness"
+        )
+    presses = presses_in(recordings, plan, stated, how)
+    with report.progress("fitting touches by each layer"):
+        made = compare_layers(
+            plan.patch, presses.readings, layer=stated, mechanics=held, noise_std=how.noise_std
+        )
+    rows = made.to_rows()
+    result = {"verdict": made.verdict, "fits": made.fits, "layers": rows}
+    facts = {"recording": ", ".join(recordings), "touches": str(len(made.place))}
+    figures = {"Probability of each layer": draw_layers(made)} if report_folder else {}
+    report.say_notes(presses.notes)
+    shown = "Layers compared", facts, figures, presses.notes
+    table = report.table_of(None, rows, LAYERS)
+    _finish(made, result, shown, None, report_folder, as_json, table)
 
 
 @calibrate.command
@@ -545,23 +549,24 @@ def _check_files(output: str | None, report_folder: str | None, force: bool) -> 
 
 
 def _finish(
-    made: "ForceCalibration | PressureCalibration | TouchCalibration",
+    made: "ForceCalibration | PressureCalibration | TouchCalibration | LayerComparison",
     result: dict[str, Any],
     shown: "tuple[str, dict[str, str], dict[str, Figure], tuple[str, ...]]",
     output: str | None,
     report_folder: str | None,
     as_json: bool,
+    *tables: Any,
 ) -> None:
     """Write what is wanted, and say how good it is."""
-    from skinfield.calibrate import save_calibration
+    from skinfield.calibrate import LayerComparison, save_calibration
     from skinfield.cli.calibration_report import write_report
 
     page, (title, facts, figures, notes) = None, shown
-    if output:
+    if output and not isinstance(made, LayerComparison):
         save_calibration(made, output)
     if report_folder:
         page = write_report(report_folder, title, made.verdict, facts, figures, notes)
-    report.finish(as_json, result, (output, page), [made.verdict])
+    report.finish(as_json, result, (output, page), [*tables, made.verdict])
 
 
 def _loads_of(

@@ -6,13 +6,18 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from skinfield.errors import FileError, Floats, InputError
 from skinfield.skin import Patch
 from skinfield.skin.log import NS, LogSettings
 
 if TYPE_CHECKING:
+    from skinfield.cli.reconstruct_jobs import JobPlan
+    from skinfield.elastic import Layer
     from skinfield.files.numbers import Numbers
+    from skinfield.reconstruct.diagnostics import Conditioning
+    from skinfield.signal import Calibration
 
 UNITS = {  # of labels, by what they are in SI
     "Pa": {"Pa": 1.0, "kPa": 1e3, "bar": 1e5, "mbar": 100.0, "psi": 6894.757, "MPa": 1e6},
@@ -281,3 +286,48 @@ def delay_of(skin: Series, label: Series) -> float:
             best, late = follows, float(delay)
     within = abs(late) < LATE - STEP / 2.0  # one at the end of what was tried is none
     return late if within and best > max(usual + BETTER, CLEAR) else 0.0
+
+
+class TouchReadings(NamedTuple):
+    """Readings (T, L) above the rest of their recording, and notes.
+
+    And their stamps (T,), ns; of the first recording how many there are, its rest (L,), and the
+    calibration of counts, if any.
+    """
+
+    readings: Floats
+    notes: tuple[str, ...]
+    stamps: NDArray[np.int64]
+    first: int
+    rest: Floats
+    calibration: "Calibration | None"
+
+
+def presses_in(
+    recordings: tuple[str, ...], plan: "JobPlan", layer: "Layer", how: "Conditioning"
+) -> TouchReadings:
+    """Presses of all recordings, one after the other.
+
+    Raises
+    ------
+    InputError
+        If there is no recording, or one that does not go with the skin.
+    """
+    from skinfield.calibrate.touch_presses import between, noise_of_differences
+    from skinfield.elastic import Capacitance
+    from skinfield.files import open_recording
+    from skinfield.files.recordings.matching import readings_for
+    from skinfield.reconstruct.diagnostics import condition
+
+    if not recordings:
+        raise InputError("RECORDING is missing, expected one or more of presses")
+    found = [readings_for(open_recording(each, log=plan.log), plan.patch) for each in recordings]
+    every = [condition(each, plan.patch, layer, Capacitance(), how) for each in found]
+    readings, each = np.concatenate([values for values, _ in every]), how.noise_std
+    noise = noise_of_differences(readings) if each is None else np.full(len(plan.patch), each)
+    rests = [between(values, noise) for values, _ in every]
+    readings -= np.repeat(rests, [len(values) for values, _ in every], axis=0)
+    notes = tuple(dict.fromkeys(note for _, survey in every for note in survey.notes))
+    calibration = every[0][1].conditioner.calibration
+    stamps = np.concatenate([each.stamp_ns for each in found])
+    return TouchReadings(readings, notes, stamps, len(found[0].stamp_ns), rests[0], calibration)

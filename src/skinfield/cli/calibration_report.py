@@ -16,7 +16,7 @@ from skinfield.plot import save
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from skinfield.calibrate import ForceCalibration, PressureCalibration
+    from skinfield.calibrate import ForceCalibration, PressureCalibration, TouchCalibration
 
     Tried = tuple[str, dict[str, Any], dict[str, Figure]]  # verdict, numbers, figures
 
@@ -179,3 +179,25 @@ def draw_answers(answer: Floats, wanted: Floats, title: str, unit: str = "N") ->
     figure.axes[1].set_ylabel(f"difference ({unit})")
     figure.axes[1].set_xlabel("reading")
     return figure
+
+
+def facts_of_touches(
+    made: "TouchCalibration", recordings: tuple[str, ...]
+) -> tuple[dict[str, str], dict[str, Any]]:
+    """What a page and a program are told of a calibration by touches."""
+    facts = {
+        "recording": ", ".join(recordings), "presses": f"{made.presses}, {made.left_out} left out",
+        "thickness": f"{made.thickness * 1e3:.3f} ± {made.thickness_std * 1e3:.3f} mm",
+        "Poisson's ratio": f"{made.poisson_ratio:.4f} ± {made.poisson_std:.4f}",
+        "cover": "yes" if made.covered else "no", "model error": f"{made.model_error:.1%}",
+        "forces": "relative" if made.relative else "newtons",
+    }  # fmt: skip
+    creep = made.relaxation
+    if creep is not None:
+        facts["creep"] = f"{1.0 - creep.relaxed_fraction:.1%} within {creep.time_constant:.3g} s"
+    return facts, {
+        "thickness_mm": made.thickness * 1e3, "poisson": made.poisson_ratio,
+        "covered": made.covered, "modulus_kpa": made.young_modulus * 1e-3,
+        "relative": made.relative, "presses": made.presses, "verdict": made.verdict,
+        "relaxed_fraction": made.relaxed_fraction, "relaxation_s": made.relaxation_time,
+    }  # fmt: skip

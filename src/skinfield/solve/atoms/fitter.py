@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from skinfield.elastic import ObservationModel
 from skinfield.errors import Floats, InputError
+from skinfield.plot import plural
 from skinfield.solve.atoms.atom_fit import AtomFit
 from skinfield.solve.atoms.dictionary import MARGIN, Templates, make_templates
 from skinfield.solve.atoms.fit_data import FitData
@@ -33,6 +34,7 @@ STRIPS_NOTE = (
     "its readings is one contact; calibrate"
 )
 STOPPED = "ContactFit stopped"  # begins a note of one reading alone
+HIGHEST = 0.99  # probability that a note states at most
 MANY, UNLIKE = 10, 0.02  # presses, of which a model error as large is worth a note
 
 
@@ -164,8 +166,7 @@ class ContactFitter:
 
     def notes(self, choice: MechanicsChoice) -> tuple[str, ...]:
         """What is to be told of the last answer, in sentences."""
-        data, likely = choice.fit, choice.likely
-        other = self.mechanics.clauses[choice.acting or likely]
+        data, other = choice.fit, self.mechanics.clauses[choice.acting]
         own, marks, count = data.own, data.memory.marks, data.count
         numbers, presses, offset = own.numbers, int(own.marks[PRESSES]), abs(data.offset)
         late = own.marks[STAGE] != RESTING and not own.marks[GRADUAL]  # else it may take its time
@@ -187,14 +188,17 @@ class ContactFitter:
         if shared:
             notes.append("ContactFit took what all taxels share for an offset: tare the skin")
         if other:
-            how = "by which it is answered" if choice.acting else "which its intervals include"
+            sure, over = choice.probability, plural(choice.compared, "press", "presses")
+            share = "above 0.99" if sure > HIGHEST else f"{sure:.2f}"
             notes.append(
-                f"ContactFit: this skin reads unlike its model, as if {other}, {how}: calibrate"
+                f"ContactFit: this skin reads unlike its model, as if {other} (probability {share} "
+                f"over {over}), by which it is answered: see skinfield calibrate layer"
             )
         elif unlike:
             notes.append(
                 f"ContactFit: this skin reads unlike its model, by {100 * data.misfit:.0f} % press "
-                "after press: Poisson's ratio, cover or gains differ; calibrate"
+                "after press: thickness, Poisson's ratio, cover or gains differ: see skinfield "
+                "calibrate layer"
             )
         return tuple(notes)
 

@@ -69,9 +69,10 @@ def other_physics(physics: Physics) -> tuple[tuple[str, Physics], ...]:
     ratio = SOFTER if layer.poisson_ratio > 0.5 * (SOFTER + 0.5) else 0.5
     other = replace(layer, poisson_ratio=ratio)
     covered = not mechanics.inextensible_cover
+    foam = " or less, as of a foam" if ratio < 0.5 else ""
     article, cover = "an" if covered else "no", replace(mechanics, inextensible_cover=covered)
     return (
-        (f"its Poisson's ratio were {ratio:g}", replace(physics, layer=other)),
+        (f"its Poisson's ratio were {ratio:g}{foam}", replace(physics, layer=other)),
         (
             f"it had {article} inextensible cover",
             replace(physics, mechanics=cover),
@@ -133,6 +134,8 @@ class MechanicsChoice:
         Logarithms of the odds of each, but for a constant, by the presses before.
     here : (N,) array
         What the press adds to them.
+    compared : int
+        Presses by which they were compared.
     """
 
     def __init__(
@@ -161,6 +164,12 @@ class MechanicsChoice:
         """Number of the most probable mechanics, of which one that does not answer is not sure."""
         return int(np.argmax(self.odds + self.here))
 
+    @property
+    def probability(self) -> float:
+        """Of the mechanics that answers, if the skin has one of these."""
+        odds = self.odds + self.here
+        return float(1.0 / np.exp(odds - odds[self.acting]).sum())
+
     def reset(self) -> None:
         """Forget the readings before."""
         if self.acting:
@@ -170,6 +179,7 @@ class MechanicsChoice:
         self.here[:], self.odds[:], self.odds[0] = 0.0, UNLIKELY, 0.0
         self._trial, self._steps = -1, 0
         self._presses, self._press, self._next, self._energy = 0, 0, 1, 0.0
+        self.compared = 0
         self._leave_open()
 
     def answer(
@@ -227,6 +237,7 @@ class MechanicsChoice:
         self._make_trials()
         self._energy = max(float(self.fit.own.numbers[BEFORE]), CLEAR)
         if self._presses != self._press:
+            self.compared += 1
             odds = self.odds + self.here
             self.odds[:] = np.maximum(odds - odds[self.acting], -SETTLED)
         self._press, self._trial, self._steps = self._presses, 0, 0
