@@ -22,12 +22,14 @@ References
    for Ordinary Differential Equations, 1995, section 4.5: invariant imbedding.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from skinfield.elastic.hankel import jinc
 from skinfield.errors import Floats, Ints
 
 CUTOFF = 64.0  # of wave number times thickness; finer detail is lost in pads and cells
@@ -147,14 +149,16 @@ def _laplace(square: Callable[[float], Floats], falls: float) -> System:
 
 
 def _responses(
-    elastic: System, potential: System, radius: float, steps: int, falls: float
+    elastic: System, potential: System, radius: float, steps: int, falls: float, covered: bool
 ) -> Responses:
     z, w = _carried(elastic, radius, steps)
+    if covered:  # the cover takes what shear it needs to hold the surface sideways
+        taken = np.linalg.solve(z[:, 1:, 1:], z[:, 1:, :1])
+        z, w = (each[:, :1, :1] - each[:, :1, 1:] @ taken for each in (z, w))
     far, near = _carried(potential, radius, steps)
     weaker = (radius / (radius + 1.0)) ** falls  # the field at the surface over that on the base
-    indentation = z[:, 0, 0]
-    charge = indentation * weaker * near[:, 0, 0] / far[:, 0, 0]
-    return Responses(w[:, 0, 0], indentation, charge)
+    charge = z[:, 0, 0] * weaker * near[:, 0, 0] / far[:, 0, 0]
+    return Responses(w[:, 0, 0], z[:, 0, 0], charge)
 
 
 def _in_groups(wave: Floats, of: Callable[[Ints, int], Responses]) -> Responses:
@@ -167,7 +171,9 @@ def _in_groups(wave: Floats, of: Callable[[Ints, int], Responses]) -> Responses:
     return Responses(*out)
 
 
-def sphere_responses(order: Floats, radius: float, nu: float) -> Responses:
+def sphere_responses(
+    order: ArrayLike, radius: float, nu: float, covered: bool = False
+) -> Responses:
     """Responses of Legendre polynomials.
 
     Parameters
@@ -178,25 +184,29 @@ def sphere_responses(order: Floats, radius: float, nu: float) -> Responses:
         Of the base, in thicknesses.
     nu : float
         Poisson's ratio, 0 to 0.5.
+    covered : bool
+        Whether an inextensible cover holds the surface sideways.
     """
     order = np.asarray(order, dtype=np.float64)
 
     def of(rows: Ints, steps: int) -> Responses:
         n = order[rows]
         potential = _laplace(lambda r: n * (n + 1) / r**2, 2.0)
-        return _responses(_sphere(n, nu), potential, radius, steps, 2.0)
+        return _responses(_sphere(n, nu), potential, radius, steps, 2.0, covered)
 
     return _in_groups((order + 0.5) / radius, of)
 
 
-def cylinder_responses(m: Floats, k: Floats, radius: float, nu: float) -> Responses:
+def cylinder_responses(
+    m: ArrayLike, k: ArrayLike, radius: float, nu: float, covered: bool = False
+) -> Responses:
     """Responses of cos mφ cos kz, as `sphere_responses`; m and k (N,), k per thickness."""
     m, k = (np.asarray(each, dtype=np.float64) for each in (m, k))
 
     def of(rows: Ints, steps: int) -> Responses:
         around, along = m[rows], k[rows]
         potential = _laplace(lambda r: (around / r) ** 2 + along**2, 1.0)
-        return _responses(_cylinder(around, along, nu), potential, radius, steps, 1.0)
+        return _responses(_cylinder(around, along, nu), potential, radius, steps, 1.0, covered)
 
     return _in_groups(np.hypot(m / radius, k), of)
 
@@ -207,23 +217,127 @@ def _samples() -> Floats:
 
 
 @lru_cache(maxsize=32)
-def legendre_series(radius: float, nu: float) -> Responses:
+def legendre_series(radius: float, nu: float, covered: bool = False) -> Responses:
     """Responses of n = 0, 1, 2 ... up to the cutoff; kept. Of very many, some are interpolated."""
     from scipy.interpolate import CubicSpline
 
     outer = radius + 1.0
     every = np.arange(int(CUTOFF * outer) + 1.0)
     if len(every) <= EVERY:
-        return sphere_responses(every, radius, nu)
+        return sphere_responses(every, radius, nu, covered)
     some = np.unique(np.concatenate([np.arange(8.0), _samples() * outer]))
-    known = sphere_responses(some, radius, nu)
+    known = sphere_responses(some, radius, nu, covered)
     return Responses(*(CubicSpline(some, each)(every) for each in known))
 
 
 @lru_cache(maxsize=8)
-def fourier_samples(radius: float, nu: float) -> tuple[Floats, Responses]:
+def fourier_samples(radius: float, nu: float, covered: bool = False) -> tuple[Floats, Responses]:
     """Responses (S, S) by wave numbers (S,) around (at the outer radius) and along; kept."""
     waves = _samples()
     around, along = (each.ravel() for each in np.meshgrid(waves, waves, indexing="ij"))
-    flat = cylinder_responses(around * (radius + 1.0), along, radius, nu)
+    flat = cylinder_responses(around * (radius + 1.0), along, radius, nu, covered)
     return waves, Responses(*(each.reshape(SAMPLES, SAMPLES) for each in flat))
+
+
+REACH = 24.0  # thicknesses beyond which kernels are zero; they fall as exp(-0.74 r/h)
+FINE = 0.02  # thicknesses between the places of a table
+PERIOD = 56.0  # of a cylinder that is unrolled because it is wide
+
+
+def _soft(wave: Floats) -> Floats:
+    """Lanczos's factor, which keeps the sum to the cutoff from ringing."""
+    return np.sinc(wave / CUTOFF)
+
+
+def _caps(degrees: int, angle: float) -> Floats:
+    """Mean of P_n(cos γ) over a cap of half the angle's opening, n = 0 .. degrees - 1."""
+    n = np.arange(1.0, degrees)
+    values = np.array([*_legendre(degrees + 1, np.array([np.cos(angle)]))])[:, 0]
+    means = (values[:-2] - values[2:]) / ((2 * n + 1) * (2 * np.sin(angle / 2) ** 2))
+    return np.concatenate([[1.0], means])
+
+
+def _legendre(degrees: int, x: Floats) -> Iterator[Floats]:
+    """Yield P_0(x) .. P_(degrees - 1)(x), by their recurrence."""
+    before, value = np.zeros_like(x), np.ones_like(x)
+    for n in range(degrees):
+        yield value
+        before, value = value, ((2 * n + 1) * x * value - n * before) / (n + 1)
+
+
+@lru_cache(maxsize=64)
+def sphere_kernel(
+    name: str, radius: float, nu: float, covered: bool, pad: float, spot: float
+) -> Floats:
+    """Response to a unit force on a sphere by the angle between pad and force, every `FINE` / b.
+
+    Parameters
+    ----------
+    name : str
+        Of one of `Responses`.
+    radius, nu, covered
+        See `sphere_responses`.
+    pad, spot : float, thicknesses
+        Radius along the base of the disc over which the answer is averaged, and along the surface
+        of that on which the force stands; 0 is a point.
+
+    Returns
+    -------
+    (P,) array, per squared thickness; the last is 0.
+    """
+    outer = radius + 1.0
+    response = getattr(legendre_series(radius, nu, covered), name)
+    n = np.arange(len(response))
+    weight = response * (2 * n + 1) / (4 * np.pi * outer**2) * _soft(n / outer)
+    for angle in (pad / radius, spot / outer):
+        weight = weight * _caps(len(n), angle) if angle > 0.0 else weight
+    angle = np.arange(int(min(REACH, np.pi * outer) / FINE) + 2) * FINE / outer
+    x = np.cos(np.minimum(angle, np.pi))
+    table = sum((each * p for each, p in zip(weight, _legendre(len(n), x), strict=True)), 0.0 * x)
+    if angle[-1] < np.pi:
+        table[-1] = 0.0
+    table.setflags(write=False)
+    return table
+
+
+@lru_cache(maxsize=16)
+def cylinder_kernel(
+    name: str, radius: float, nu: float, covered: bool, pad: float, spot: float
+) -> Floats:
+    """Response to a unit force on a cylinder, by the way around (at b) and along it.
+
+    Parameters
+    ----------
+    name, radius, nu, covered, pad
+        See `sphere_kernel`; the disc is one of the base unrolled.
+    spot : float, thicknesses
+        Side along the surface of the square on which the force stands.
+
+    Returns
+    -------
+    (P, Q) array, per squared thickness
+        Every `FINE` thicknesses around, up to half the turn or the reach, and along.
+    """
+    from scipy.interpolate import RectBivariateSpline
+
+    outer = radius + 1.0
+    waves, responses = fourier_samples(radius, nu, covered)
+    spline = RectBivariateSpline(waves, waves, getattr(responses, name))
+    turn = min(2 * np.pi * outer, PERIOD)
+    along = np.arange(0.0, CUTOFF, 2 * np.pi / PERIOD)
+    around = np.arange(0.0, CUTOFF, 2 * np.pi / turn)
+    each = spline(around, along) * _soft(around)[:, None] * _soft(along)
+    if pad > 0.0:
+        each *= jinc(np.hypot(around[:, None] * (outer / radius), along), pad)
+    for axis, wave in enumerate((around, along)):
+        square = np.sinc(wave * spot / (2 * np.pi)) * np.where(wave > 0.0, 2.0, 1.0)
+        each *= square[:, None] if axis == 0 else square
+    half = min(REACH, turn / 2)
+    steps = np.arange(int(half / FINE) + 2) * FINE, np.arange(int(REACH / FINE) + 2) * FINE
+    table = np.cos(np.outer(steps[0], around)) @ each @ np.cos(np.outer(along, steps[1]))
+    table /= turn * PERIOD
+    if half == REACH:
+        table[-1] = 0.0
+    table[:, -1] = 0.0
+    table.setflags(write=False)
+    return np.asarray(table)
