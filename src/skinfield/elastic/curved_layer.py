@@ -5,10 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from skinfield.elastic.bonded_layer import BondedLayer
-from skinfield.elastic.curved_series import FINE, REACH, cylinder_kernel, sphere_kernel
+from skinfield.elastic.curved_series import FINE, cylinder_kernel, sphere_kernel
 from skinfield.elastic.elastomer import Layer
 from skinfield.errors import Floats, InputError, Ints, check_positive, check_shape, check_type
 from skinfield.skin import Grid, Patch
@@ -18,9 +17,9 @@ OFF = 0.1  # thicknesses: a taxel farther from a sphere or cylinder than that do
 LEAN = np.sin(np.radians(15.0))  # nor does one whose normal leans more than 15°
 TIE = 0.02  # of those tolerances: shapes that fit no worse than that fit equally well
 WIDE = 1000.0  # thicknesses: a body with a larger radius is flat to 1e-3
-POINTS = 2.5  # per pitch of a grid, at which its cells are sampled
-MOST_POINTS = 600_000
-SHARPEST = 0.2  # thicknesses between these points at most
+SHARPEST = 0.25  # thicknesses: the width of pieces of a cell at most
+AROUND = 8  # pieces around a piece, among which those of another sheet are sought
+ELSEWHERE = 4  # cells, in the plane, to what is another sheet
 
 
 @dataclass(frozen=True)
@@ -46,24 +45,9 @@ class SphericalBase:
         """Height (N,) m of points (N, 3) m above the base, and the normals (N, 3) there."""
         return _lengths_and_directions(points - self.centre, self.radius)
 
-    def spread(self, nodes: Floats, outer: float, step: float, rim: float) -> tuple[Floats, float]:
-        """Points of the base (N, 3) m around its nodes, and the area of each on the surface, m².
-
-        A Fibonacci lattice with a point per `step` x `step` on the surface of radius `outer`, up
-        to `rim` m beyond the nodes.
-        """
-        up = self.upright(nodes)[1]
-        mean = up.mean(axis=0)
-        frame = flat_frame(mean / max(float(np.linalg.norm(mean)), 1e-9))
-        angle = np.arccos(np.clip(up @ frame[:, 2], -1.0, 1.0)).max() + rim / self.radius
-        low = np.cos(min(float(angle), np.pi))
-        count = max(int((1.0 - low) * 2 * np.pi * outer**2 / step**2), 16)
-        z = 1.0 - (1.0 - low) * (np.arange(count) + 0.5) / count
-        turn = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(count)
-        across = np.sqrt(1.0 - z**2)
-        local = np.column_stack([across * np.cos(turn), across * np.sin(turn), z])
-        area = (1.0 - low) * 2 * np.pi * outer**2 / count
-        return self.centre + self.radius * local @ frame.T, area
+    def area(self, height: float) -> float:
+        """Area at a height in m above the base, over that of the base."""
+        return (1.0 + height / self.radius) ** 2
 
     def kernel(
         self, layer: Layer, name: str, covered: bool, pad: float, step: float
@@ -122,23 +106,9 @@ class CylindricalBase:
         across = from_point - np.outer(from_point @ self.axis, self.axis)
         return _lengths_and_directions(across, self.radius)
 
-    def spread(self, nodes: Floats, outer: float, step: float, rim: float) -> tuple[Floats, float]:
-        """See `SphericalBase.spread`; a lattice around and along."""
-        frame = self._frame(nodes)
-        angle, along = self._unrolled(frame, nodes)
-        rim_angle = rim / self.radius
-        first, last = angle.min() - rim_angle, angle.max() + rim_angle
-        if last - first >= 2 * np.pi:
-            first, last = -np.pi, np.pi
-        low, high = along.min() - rim, along.max() + rim
-        around = max(int(np.ceil((last - first) * outer / step)), 1)
-        columns = max(int(np.ceil((high - low) / step)), 1)
-        angles = first + (np.arange(around) + 0.5) * (last - first) / around
-        heights = low + (np.arange(columns) + 0.5) * (high - low) / columns
-        angle, along = (each.ravel() for each in np.meshgrid(angles, heights, indexing="ij"))
-        local = self.radius * np.column_stack([np.cos(angle), np.sin(angle)])
-        area = (last - first) * outer / around * (high - low) / columns
-        return self.point + np.column_stack([local, along]) @ frame.T, area
+    def area(self, height: float) -> float:
+        """See `SphericalBase.area`."""
+        return 1.0 + height / self.radius
 
     def kernel(
         self, layer: Layer, name: str, covered: bool, pad: float, step: float
@@ -245,21 +215,17 @@ class CurvedLayer(BondedLayer):
         base = self.base_of(grid.patch, layer)
         if base is None:
             return None
-        pitch, h = grid.pitch, layer.thickness
-        outer = base.radius + h
-        nodes = _on_base(base, grid.positions)
-        step = min(pitch / POINTS, SHARPEST * h)
-        step = max(step, float(np.sqrt(len(grid) * pitch**2 / MOST_POINTS)))
-        points, area = base.spread(nodes, outer, step, 2 * pitch)
-        points, node = _owned(grid, nodes, points)
+        h, taller = layer.thickness, base.area(layer.thickness)
+        points, areas, node = _pieces(grid, base, SHARPEST * h)
+        step = float(np.sqrt(areas.mean() * taller))
         response = base.kernel(layer, name, self.inextensible_cover, pad_diameter / 2, step)
         positions = _on_base(base, grid.patch.surface.position_from_plane(taxels))
         out = np.zeros((len(taxels), len(grid)))
         for row, taxel in zip(out, positions, strict=True):
             near, value = response(taxel, points)
-            row[:] = np.bincount(node[near], value, minlength=len(grid))
+            row[:] = np.bincount(node[near], value * areas[near], minlength=len(grid))
         shear = layer.young_modulus / (2 * (1 + layer.poisson_ratio))
-        return out * (area / h**2 * (1.0 if name == "stress" else h / shear))
+        return out * (taller / h**2 * (1.0 if name == "stress" else h / shear))
 
 
 def _three(name: str, values: Any) -> tuple[float, float, float]:
@@ -282,41 +248,44 @@ def _on_base(base: Base, points: Floats) -> Floats:
     return np.asarray(points - height[:, None] * normal)
 
 
-def _owned(grid: Grid, nodes: Floats, points: Floats) -> tuple[Floats, Ints]:
-    """Points (M, 3) that lie in a cell of the grid, and the node (M,) of each.
+def _pieces(grid: Grid, base: Base, largest: float) -> tuple[Floats, Floats, Ints]:
+    """Pieces of a grid's cells, no wider than `largest` m: middles (M, 3) m, areas, and nodes (M,).
 
-    A point belongs to the node nearest to it, so that where the plane was cut or folded nothing
-    counts twice, and to none if it is more than half a cell beyond the border.
+    Middles and areas are on the base. Where the plane was cut or folded and overlaps itself, its
+    sheets share the area.
     """
+    parts = max(1, int(np.ceil(grid.pitch / largest)))
+    step, (rows, columns) = grid.pitch / parts, grid.shape
+    shape = rows * parts, columns * parts
+    origin = grid.origin - (grid.pitch + step) / 2  # a ring more, for slopes at the border
+    ring = Grid(grid.patch, (shape[0] + 2, shape[1] + 2), step, origin)
+    lattice = _on_base(base, ring.positions).reshape(*ring.shape, 3)
+    along, across = lattice[1:-1, 2:] - lattice[1:-1, :-2], lattice[2:, 1:-1] - lattice[:-2, 1:-1]
+    areas = np.linalg.norm(np.cross(along, across), axis=-1).ravel() / 4
+    row, column = (each.ravel() // parts for each in np.indices(shape))
+    middles = lattice[1:-1, 1:-1].reshape(-1, 3)
+    node = np.asarray(row * columns + column, dtype=np.int64)
+    return middles, areas / _sheets(middles, node, along, across, columns), node
+
+
+def _sheets(middles: Floats, node: Ints, along: Floats, across: Floats, columns: int) -> Floats:
+    """How many cells elsewhere in the plane hold the middle of each piece, and its own: (M,)."""
     from scipy.spatial import cKDTree
 
-    node = np.asarray(cKDTree(nodes).query(points)[1], dtype=np.int64)
-    a, b = (side[node] for side in _sides(grid, nodes))
-    offset = points - nodes[node]
-    aa, ab, bb = (np.einsum("ni,ni->n", *both) for both in ((a, a), (a, b), (b, b)))
-    along_a, along_b = np.einsum("ni,ni->n", a, offset), np.einsum("ni,ni->n", b, offset)
-    row, column = np.divmod(node, grid.shape[1])
-    area = np.maximum(aa * bb - ab**2, 1e-12 * grid.pitch**4)
-    inside: NDArray[np.bool_] = np.ones(len(points), dtype=np.bool_)
-    for part, place, count in (
-        ((bb * along_a - ab * along_b) / area, column, grid.shape[1]),
-        ((aa * along_b - ab * along_a) / area, row, grid.shape[0]),
-    ):
-        inside &= part >= np.where(place == 0, -0.5, -1.0)
-        inside &= part <= np.where(place == count - 1, 0.5, 1.0)
-    return points[inside], node[inside]
-
-
-def _sides(grid: Grid, nodes: Floats) -> tuple[Floats, Floats]:
-    """Sides of the cells on the base, (K, 3) m each: to the next column, and to the next row."""
-    lattice = nodes.reshape(*grid.shape, 3)
-    out = []
-    for axis in (1, 0):
-        if grid.shape[axis] > 1:
-            out.append(np.gradient(lattice, axis=axis).reshape(-1, 3))
-        else:
-            out.append(grid.frames[:, :, 1 - axis] * grid.pitch)
-    return out[0], out[1]
+    near = min(AROUND, len(middles))
+    other = np.reshape(cKDTree(middles).query(middles, k=near)[1], (len(middles), near))
+    lattice = np.stack(np.divmod(node, columns))
+    apart = np.abs(lattice[:, other] - lattice[:, :, None]).max(axis=0)
+    piece, which = np.nonzero(apart > ELSEWHERE)
+    cell = other[piece, which]
+    a, b = (side.reshape(-1, 3)[cell] / 2 for side in (along, across))
+    offset = middles[piece] - middles[cell]
+    aa, ab, bb, pa, pb = (
+        np.einsum("ni,ni->n", *two) for two in ((a, a), (a, b), (b, b), (a, offset), (b, offset))
+    )
+    area = np.maximum(aa * bb - ab**2, 1e-30)
+    inside = np.maximum(np.abs(bb * pa - ab * pb), np.abs(aa * pb - ab * pa)) <= area / 2
+    return np.asarray(1.0 + np.bincount(piece[inside], minlength=len(middles)))
 
 
 def _fitted(positions: Floats, normals: Floats, thickness: float, name: str) -> Base:

@@ -246,7 +246,7 @@ PERIOD = 56.0  # of a cylinder that is unrolled because it is wide
 
 def _soft(wave: Floats) -> Floats:
     """Lanczos's factor, which keeps the sum to the cutoff from ringing."""
-    return np.sinc(wave / CUTOFF)
+    return np.asarray(np.sinc(wave / CUTOFF))
 
 
 def _caps(degrees: int, angle: float) -> Floats:
@@ -293,7 +293,9 @@ def sphere_kernel(
         weight = weight * _caps(len(n), angle) if angle > 0.0 else weight
     angle = np.arange(int(min(REACH, np.pi * outer) / FINE) + 2) * FINE / outer
     x = np.cos(np.minimum(angle, np.pi))
-    table = sum((each * p for each, p in zip(weight, _legendre(len(n), x), strict=True)), 0.0 * x)
+    table = np.zeros_like(x)
+    for factor, polynomial in zip(weight, _legendre(len(n), x), strict=True):
+        table += factor * polynomial
     if angle[-1] < np.pi:
         table[-1] = 0.0
     table.setflags(write=False)
@@ -321,23 +323,25 @@ def cylinder_kernel(
     from scipy.interpolate import RectBivariateSpline
 
     outer = radius + 1.0
-    waves, responses = fourier_samples(radius, nu, covered)
-    spline = RectBivariateSpline(waves, waves, getattr(responses, name))
+    samples, responses = fourier_samples(radius, nu, covered)
+    spline = RectBivariateSpline(samples, samples, getattr(responses, name))
     turn = min(2 * np.pi * outer, PERIOD)
     along = np.arange(0.0, CUTOFF, 2 * np.pi / PERIOD)
     around = np.arange(0.0, CUTOFF, 2 * np.pi / turn)
-    each = spline(around, along) * _soft(around)[:, None] * _soft(along)
+    waves = np.asarray(spline(around, along)) * _soft(around)[:, None] * _soft(along)
     if pad > 0.0:
-        each *= jinc(np.hypot(around[:, None] * (outer / radius), along), pad)
-    for axis, wave in enumerate((around, along)):
-        square = np.sinc(wave * spot / (2 * np.pi)) * np.where(wave > 0.0, 2.0, 1.0)
-        each *= square[:, None] if axis == 0 else square
+        waves = waves * jinc(np.hypot(around[:, None] * (outer / radius), along), pad)
+    sides = (
+        np.sinc(wave * spot / (2 * np.pi)) * np.where(wave > 0.0, 2.0, 1.0)
+        for wave in (around, along)
+    )
+    waves = waves * np.outer(*sides)
     half = min(REACH, turn / 2)
-    steps = np.arange(int(half / FINE) + 2) * FINE, np.arange(int(REACH / FINE) + 2) * FINE
-    table = np.cos(np.outer(steps[0], around)) @ each @ np.cos(np.outer(along, steps[1]))
-    table /= turn * PERIOD
+    steps = tuple(np.arange(int(end / FINE) + 2) * FINE for end in (half, REACH))
+    cosines = np.cos(np.outer(steps[0], around)), np.cos(np.outer(along, steps[1]))
+    table = np.asarray(cosines[0] @ waves @ cosines[1] / (turn * PERIOD))
     if half == REACH:
         table[-1] = 0.0
     table[:, -1] = 0.0
     table.setflags(write=False)
-    return np.asarray(table)
+    return table
