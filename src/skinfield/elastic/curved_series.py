@@ -289,8 +289,8 @@ def sphere_kernel(
     response = getattr(legendre_series(radius, nu, covered), name)
     n = np.arange(len(response))
     weight = response * (2 * n + 1) / (4 * np.pi * outer**2) * _soft(n / outer)
-    for angle in (pad / radius, spot / outer):
-        weight = weight * _caps(len(n), angle) if angle > 0.0 else weight
+    for opening in (pad / radius, spot / outer):
+        weight = weight * _caps(len(n), opening) if opening > 0.0 else weight
     angle = np.arange(int(min(REACH, np.pi * outer) / FINE) + 2) * FINE / outer
     x = np.cos(np.minimum(angle, np.pi))
     table = np.zeros_like(x)
