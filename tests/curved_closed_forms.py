@@ -70,3 +70,34 @@ def cylinder(m, k, radius, nu):
 
     base, surface = states(radius), states(outer)
     return _solved(base[:3], surface[3:], [-1.0, 0.0, 0.0], base[3], surface[0])
+
+
+def of_cap(response, radius, pad, places, cap, profile):
+    """Readings at angles `places` (L,) of a pressure by the angle from the pole, 0 beyond `cap`.
+
+    `response` (N,) is that of P_0 .. P_(N - 1); `pad` is the angle to the pad's rim.
+    """
+    n = np.arange(len(response))
+    node, weight = np.polynomial.legendre.leggauss(200)
+    low = np.cos(cap)
+    cosine, weight = low + (node + 1) / 2 * (1 - low), weight * (1 - low) / 2
+    legendre = np.polynomial.legendre.legvander
+    load = (2 * n + 1) / 2 * (weight * profile(np.arccos(cosine)) @ legendre(cosine, n[-1]))
+    edge = legendre(np.cos([pad]), n[-1] + 1)[0]
+    mean = np.concatenate([[1.0], (edge[:-2] - edge[2:]) / ((2 * n[1:] + 1) * (1 - np.cos(pad)))])
+    return legendre(np.cos(places), n[-1]) @ (load * response * mean)
+
+
+def of_bump(response, outer, around, along, places, width):
+    """Readings at places around and along (2, L) of a pressure exp(-distance²/2 width²).
+
+    `response` (M, K) is that of cos mφ cos kz, all m from 0 and even steps of k from 0.
+    """
+    m, k = np.arange(len(around)), along
+    bump = 2 * np.pi * width**2 * np.exp(-(around[:, None] ** 2 + k**2) * width**2 / 2)
+    twice = np.where(m[:, None] > 0, 2.0, 1.0) * np.where(k > 0, 2.0, 1.0)
+    weights = response * bump * twice * (k[1] - k[0]) / (4 * np.pi**2 * outer)
+    angle, height = places
+    return np.einsum(
+        "mk,lm,lk->l", weights, np.cos(np.outer(angle, m)), np.cos(np.outer(height, k))
+    )

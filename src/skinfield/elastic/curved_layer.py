@@ -14,7 +14,8 @@ from skinfield.skin import Grid, Patch
 from skinfield.skin.geometry import flat_frame
 
 OFF = 0.1  # thicknesses: a taxel farther from a sphere or cylinder than that does not lie on it
-LEAN = np.sin(np.radians(15.0))  # nor does one whose normal leans more than 15°
+LEAN = np.sin(np.radians(25.0))  # nor does one whose normal leans more than 25°
+TRUST = 0.1  # of normals, which are estimates where nobody gave them
 TIE = 0.02  # of those tolerances: shapes that fit no worse than that fit equally well
 WIDE = 1000.0  # thicknesses: a body with a larger radius is flat to 1e-3
 SHARPEST = 0.25  # thicknesses: the width of pieces of a cell at most
@@ -307,7 +308,7 @@ def _fitted(positions: Floats, normals: Floats, thickness: float, name: str) -> 
             f"{np.degrees(np.arcsin(min(lean, 1.0))):.2g}°{side}"
         )
     best = min(misfits, key=lambda kind: misfits[kind])
-    expected = f"within {OFF * thickness * 1e3:.2g} mm and 15°, normals outwards"
+    expected = f"within {OFF * thickness * 1e3:.2g} mm and 25°, normals outwards"
     remedy = "hand in mechanics=CurvedLayer(base=SphericalBase(...) or CylindricalBase(...))"
     if not misfits[best] <= 1.0:
         raise InputError(
@@ -325,12 +326,12 @@ def _fitted(positions: Floats, normals: Floats, thickness: float, name: str) -> 
 def _refined(
     start: Floats, make: Callable[[Floats], Base], positions: Floats, normals: Floats, unit: float
 ) -> Base:
-    """Least squares of heights, and of the normals' lean over a thickness `unit` m."""
+    """Least squares of heights, and of the normals' lean over a tenth of the thickness `unit` m."""
     from scipy.optimize import least_squares
 
     def misfit(x: Floats) -> Floats:
         height, upright = make(x).upright(positions)
-        return np.concatenate([height / unit, (upright - normals).ravel()])
+        return np.concatenate([height / unit, TRUST * (upright - normals).ravel()])
 
     return make(np.asarray(least_squares(misfit, start, x_scale=np.maximum(abs(start), unit)).x))
 

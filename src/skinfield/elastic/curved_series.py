@@ -293,7 +293,7 @@ def sphere_kernel(
         weight = weight * _caps(len(n), opening) if opening > 0.0 else weight
     angle = np.arange(int(min(REACH, np.pi * outer) / FINE) + 2) * FINE / outer
     x = np.cos(np.minimum(angle, np.pi))
-    table = np.zeros_like(x)
+    table: Floats = np.zeros_like(x)
     for factor, polynomial in zip(weight, _legendre(len(n), x), strict=True):
         table += factor * polynomial
     if angle[-1] < np.pi:
@@ -339,7 +339,7 @@ def cylinder_kernel(
     half = min(REACH, turn / 2)
     steps = tuple(np.arange(int(end / FINE) + 2) * FINE for end in (half, REACH))
     cosines = np.cos(np.outer(steps[0], around)), np.cos(np.outer(along, steps[1]))
-    table = np.asarray(cosines[0] @ waves @ cosines[1] / (turn * PERIOD))
+    table: Floats = np.asarray(cosines[0] @ waves @ cosines[1] / (turn * PERIOD))
     if half == REACH:
         table[-1] = 0.0
     table[:, -1] = 0.0
