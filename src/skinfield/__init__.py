@@ -11,9 +11,13 @@ if _typing.TYPE_CHECKING:
     from skinfield.elastic import BaseStress as BaseStress
     from skinfield.elastic import BondedLayer as BondedLayer
     from skinfield.elastic import Capacitance as Capacitance
+    from skinfield.elastic import CurvedLayer as CurvedLayer
+    from skinfield.elastic import CylindricalBase as CylindricalBase
     from skinfield.elastic import Gap as Gap
     from skinfield.elastic import HalfSpace as HalfSpace
     from skinfield.elastic import Layer as Layer
+    from skinfield.elastic import ObservationModel as ObservationModel
+    from skinfield.elastic import SphericalBase as SphericalBase
     from skinfield.elastic import StandardLinearSolid as StandardLinearSolid
     from skinfield.estimate import Contact as Contact
     from skinfield.estimate import ContactFinder as ContactFinder
@@ -58,7 +62,8 @@ _ON_DEMAND = {  # a module, or a module and what it holds
         name: f"skinfield.{module}:{name}"
         for module, names in {
             "calibrate": "load_calibration",
-            "elastic": "BaseStress BondedLayer Capacitance Gap HalfSpace Layer StandardLinearSolid",
+            "elastic": "BaseStress BondedLayer Capacitance CurvedLayer CylindricalBase Gap "
+            "HalfSpace Layer ObservationModel SphericalBase StandardLinearSolid",
             "estimate": "Contact ContactFinder Estimate Tracker",
             "files": "load_contacts open_results save_results",
             "files.layouts.load": "load_layout save_layout",

@@ -1,6 +1,9 @@
 """Elasticity: Green's functions, contact mechanics, and what a taxel reads of a traction."""
 
 from skinfield.elastic.bonded_layer import BondedLayer as BondedLayer
+from skinfield.elastic.curved_layer import CurvedLayer as CurvedLayer
+from skinfield.elastic.curved_layer import CylindricalBase as CylindricalBase
+from skinfield.elastic.curved_layer import SphericalBase as SphericalBase
 from skinfield.elastic.elastomer import Layer as Layer
 from skinfield.elastic.elastomer import Mechanics as Mechanics
 from skinfield.elastic.half_space import HalfSpace as HalfSpace

@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from skinfield.elastic.curved_layer import CurvedLayer
 from skinfield.elastic.elastomer import Layer, Mechanics
 from skinfield.elastic.lattice import LatticeConvolution, displacement_kernel
 from skinfield.errors import (
@@ -96,9 +97,15 @@ class Quantity(ABC):
         return linear
 
 
-def _response(of: Callable[..., Floats], layer: Layer, grid: Grid, taxels: Floats, pad: float,
-              **options: bool) -> Floats:  # fmt: skip
-    """Of taxels (L, 2) m to a pressure on each node, (L, K)."""
+def _response(mechanics: Mechanics, layer: Layer, grid: Grid, taxels: Floats, pad: float,
+              name: str) -> Floats:  # fmt: skip
+    """Stress, indentation or charge at taxels (L, 2) m by a pressure on each node, (L, K)."""
+    if isinstance(mechanics, CurvedLayer):
+        curved = mechanics.on_grid(name, layer, grid, taxels, pad)
+        if curved is not None:
+            return curved
+    of = mechanics.base_stress if name == "stress" else mechanics.indentation
+    options = {"electrostatic": True} if name == "charge" else {}
     offsets = (taxels[:, None, :] - grid.plane[None, :, :]).reshape(-1, 2)
     return of(layer, offsets, grid.pitch, pad, **options).reshape(len(taxels), len(grid))
 
@@ -124,7 +131,7 @@ class BaseStress(Quantity):
     ) -> Floats:
         """See `Quantity.matrix`; Pa per Pa."""
         pad = pad_diameter * self.pad_averaged
-        return _response(mechanics.base_stress, layer, grid, taxels, pad)
+        return _response(mechanics, layer, grid, taxels, pad, "stress")
 
 
 @dataclass(frozen=True)
@@ -148,7 +155,7 @@ class Gap(Quantity):
     ) -> Floats:
         """See `Quantity.matrix`; 1/Pa."""
         pad = pad_diameter if self.pad_averaged else 0.0
-        return _response(mechanics.indentation, layer, grid, taxels, pad) / layer.thickness
+        return _response(mechanics, layer, grid, taxels, pad, "indentation") / layer.thickness
 
 
 @dataclass(frozen=True)
@@ -186,8 +193,7 @@ class Capacitance(Quantity):
     ) -> Floats:
         """See `Quantity.matrix`; 1/Pa, the series' first term."""
         pad = pad_diameter if self.pad_averaged else 0.0
-        inwards = _response(mechanics.indentation, layer, grid, taxels, pad, electrostatic=True)
-        return inwards / layer.thickness
+        return _response(mechanics, layer, grid, taxels, pad, "charge") / layer.thickness
 
     def linearise(self, readings: Floats, out: Floats) -> Floats:
         """Strain c / (1 + c), exact for a uniform gap, C/C0 = 1/(1 - w/h); order 1: `readings`.
@@ -307,9 +313,24 @@ class ObservationModel:
         grid: Grid,
         mechanics: Mechanics,
         quantity: Quantity,
-        noise_std: ArrayLike,
+        noise_std: ArrayLike | None = None,
     ) -> "ObservationModel":
-        """Model of a patch; `noise_std` is one number for all taxels or (L,)."""
+        """Model of a patch.
+
+        Parameters
+        ----------
+        patch : Patch
+        layer : Layer
+        grid : Grid
+            On the patch; a node stands for the outer surface above it.
+        mechanics : Mechanics
+            `BondedLayer()`; on a sphere or cylinder, `CurvedLayer()`.
+        quantity : Quantity
+            `Capacitance()`, `BaseStress()` or `Gap()`.
+        noise_std : float or (L,) array, unit of the reading, optional
+            One for all taxels, or each its own. Default the quantity's `typical_noise`.
+        """
+        noise_std = quantity.typical_noise if noise_std is None else noise_std
 
         def virtual_matrix(taxels: Floats) -> Floats:
             return quantity.matrix(mechanics, layer, grid, taxels, pad_diameter=0.0)

@@ -58,13 +58,16 @@ class Grid:
     def square(cls, patch: Patch, nodes: int = 40) -> "Grid":
         """`nodes` x `nodes` over the patch's bounding square, first and last node on its sides.
 
-        The square has the longer side of the taxels' bounding box and the same middle.
+        The square has the longer side of the taxels' bounding box and the same middle. Where the
+        plane had to be cut, as that of a sleeve, it is wider by a pitch of the taxels, so that the
+        seam is covered.
         """
         nodes, _ = _shape((nodes, nodes))
         if nodes < 2:
             raise InputError(f"nodes is {nodes!r}, expected 2 or more: nodes lie on the border")
         low, high = patch.plane.min(axis=0), patch.plane.max(axis=0)
         side = max(float((high - low).max()), patch.pad_diameter)
+        side += patch.pitch if patch.surface.severed else 0.0
         return cls(patch, (nodes, nodes), side / (nodes - 1), (low + high - side) / 2)
 
     @classmethod
