@@ -23,9 +23,8 @@ from skinfield.loop.realtime import (
     clock,
     quantiles,
 )
-from skinfield.loop.realtime.layout import BINS, LONGEST, SUM, TOP
 from skinfield.loop.realtime.timing import FIELDS, LAST_NS, TIMES, TOTALS
-from skinfield.loop.realtime.timing_kernel import add_time
+from skinfield.loop.realtime.timing_kernel import BINS, LONGEST, SUM, TOP, add_time
 
 MS = 1_000_000
 

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 from scipy.special import log_ndtr
 
-from skinfield.calibrate.press_kernel import read_each
 from skinfield.calibrate.press_tables import BOUNDS, RATIOS, PressTables
+from skinfield.compiled import njit
 from skinfield.elastic import Quantity
 from skinfield.errors import Floats
-from skinfield.solve.atoms.atom_readings import PARAMETERS
+from skinfield.solve.atoms.atom_readings import PARAMETERS, TableRoom, add_atom
+from skinfield.solve.atoms.table import Tables
 
 OWN, SHARED = 4, 2
 GAIN_STD = 0.15  # of ln gain, before any press, and at most: more is a model that is wrong
@@ -534,3 +535,25 @@ class JointFit:
         log_gain = state.log_gain + step[SHARED:]
         touches = state.touches + np.clip(own, -LONGEST, LONGEST)
         return State(touches, skin, log_gain - log_gain.mean())
+
+
+@njit
+def read_each(atoms: Floats, taxels: Floats, tables: Tables, out: Floats, slopes: Floats) -> None:
+    """Write readings (N, L) of atoms (N, 8), each alone, and derivatives (N, 8, L).
+
+    `slopes` may be of one atom, (1, 8, L): then they are of the last.
+    """
+    near = np.arange(len(taxels))
+    room = TableRoom(
+        np.empty((3, tables.coefficients.shape[3])),
+        np.empty((2, tables.coefficients.shape[2])),
+        np.empty((2, 4)),
+        np.empty((2, tables.shear.shape[2])),
+    )
+    rows = slopes.reshape(-1, len(taxels))
+    last = len(slopes) - 1
+    out[:] = 0.0
+    for n in range(len(atoms)):
+        row = min(n, last)
+        its = rows[PARAMETERS * row : PARAMETERS * (row + 1)]
+        add_atom(0, atoms[n], 0, taxels, near, tables, room, out[n], its)

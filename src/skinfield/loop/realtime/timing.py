@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import InputError, check_count
-from skinfield.loop.realtime.layout import BINS, LONGEST, OCTAVE_BITS, SKIPPED, SUM, WORDS
+from skinfield.loop.realtime.timing_kernel import BINS, LONGEST, OCTAVE_BITS, SKIPPED, SUM, WORDS
 
 Counts = NDArray[np.uint64]
 NS = 1e-9
