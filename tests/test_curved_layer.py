@@ -149,23 +149,21 @@ def test_sleeve_reads_what_the_series_says(around):
 
 
 @pytest.mark.parametrize(
-    ("base", "most"),
-    [
-        (sf.SphericalBase((0, 0, -3.0), 3.0), 3e-3),
-        (sf.CylindricalBase((0, 0, -3.0), (1, 2, 0), 3.0), 8e-3),
-    ],
+    "base", [sf.SphericalBase((0, 0, -3.0), 3.0), sf.CylindricalBase((0, 0, -3.0), (1, 2, 0), 3.0)]
 )
-def test_wide_base_has_nearly_the_kernels_of_the_flat_layer(base, most):
+def test_wide_base_has_the_kernels_of_the_flat_layer(base):
     patch = sf.layouts.hexagon72()
     grid = sf.Grid.square(patch, nodes=60)
     layer = sf.Layer(thickness=H, poisson_ratio=0.45)
-    load = np.exp(-np.sum(grid.plane**2, axis=1) / (2 * 3e-3**2))
+    off_middle = np.linalg.norm(patch.plane - grid.plane.mean(axis=0), axis=1)
+    away = grid.plane - patch.plane[np.argmin(off_middle)]
+    load = np.exp(-np.sum(away**2, axis=1) / (2 * 3e-3**2))
     for quantity in (sf.BaseStress(), sf.Gap(), sf.Capacitance()):
         flat, curved = (
             sf.ObservationModel.of(patch, layer, grid, each, quantity).matrix @ load
             for each in (sf.BondedLayer(), sf.CurvedLayer(base=base))
         )
-        assert np.abs(curved - flat).max() < most * np.abs(flat).max()
+        assert np.abs(curved - flat).max() < 1e-3 * np.abs(flat).max()
 
 
 def test_flat_patch_has_a_flat_layer():
