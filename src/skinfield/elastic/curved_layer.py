@@ -1,7 +1,7 @@
 """The bonded layer on a curved body: a rigid sphere or cylinder, recognised from the taxels."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from skinfield.elastic.elastomer import Layer
 from skinfield.errors import Floats, InputError, Ints, check_positive, check_shape, check_type
 from skinfield.skin import Grid, Patch
 from skinfield.skin.geometry import flat_frame
+from skinfield.skin.quadrics import Quadrics
 
 OFF = 0.1  # thicknesses: a taxel farther from a sphere or cylinder than that does not lie on it
 LEAN = np.sin(np.radians(25.0))  # nor does one whose normal leans more than 25°
@@ -97,7 +98,8 @@ class CylindricalBase:
         length = float(np.linalg.norm(axis))
         if not length > 1e-9:
             raise InputError(f"axis is {self.axis}, expected a direction: (0, 1, 0) is along y")
-        object.__setattr__(self, "axis", tuple((axis / length).tolist()))
+        axis = axis if abs(length - 1.0) < 1e-12 else axis / length  # so that a copy is equal
+        object.__setattr__(self, "axis", tuple(axis.tolist()))
         object.__setattr__(self, "point", _three("point", self.point))
         check_positive("radius", self.radius, "of the cylinder on which the pads lie, in metres")
 
@@ -197,6 +199,13 @@ class CurvedLayer(BondedLayer):
         fitted = _fitted(patch.positions, patch.normals, layer.thickness, patch.name)
         return None if fitted.radius > WIDE * layer.thickness else fitted
 
+    def outer(self, grid: Grid, layer: Layer) -> Grid:
+        """The same nodes on the outer surface, with the areas there; a flat layer's as they are."""
+        base = self.base_of(grid.patch, layer)
+        if base is None:
+            return grid
+        return replace(grid, height=layer.thickness, spread=base.area(layer.thickness))
+
     def on_grid(
         self, name: str, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
     ) -> Floats | None:
@@ -252,8 +261,8 @@ def _on_base(base: Base, points: Floats) -> Floats:
 def _pieces(grid: Grid, base: Base, largest: float) -> tuple[Floats, Floats, Ints]:
     """Pieces of a grid's cells, no wider than `largest` m: middles (M, 3) m, areas, and nodes (M,).
 
-    Middles and areas are on the base. Where the plane was cut or folded and overlaps itself, its
-    sheets share the area.
+    Middles and areas are on the base. What is no place of its own, beyond the cut of a cylinder,
+    has no area; where the plane of another body was cut and overlaps itself, its sheets share it.
     """
     parts = max(1, int(np.ceil(grid.pitch / largest)))
     step, (rows, columns) = grid.pitch / parts, grid.shape
@@ -266,7 +275,11 @@ def _pieces(grid: Grid, base: Base, largest: float) -> tuple[Floats, Floats, Int
     row, column = (each.ravel() // parts for each in np.indices(shape))
     middles = lattice[1:-1, 1:-1].reshape(-1, 3)
     node = np.asarray(row * columns + column, dtype=np.int64)
-    return middles, areas / _sheets(middles, node, along, across, columns), node
+    surface = grid.patch.surface
+    if isinstance(surface.shape, Quadrics):
+        return middles, areas / _sheets(middles, node, along, across, columns), node
+    inner = ring.plane.reshape(*ring.shape, 2)[1:-1, 1:-1].reshape(-1, 2)
+    return middles, areas * surface.held(inner, step), node
 
 
 def _sheets(middles: Floats, node: Ints, along: Floats, across: Floats, columns: int) -> Floats:
