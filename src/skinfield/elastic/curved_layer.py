@@ -161,7 +161,9 @@ class CurvedLayer(BondedLayer):
     (`curved_series`), for any thickness, modulus and Poisson's ratio, the incompressible limit
     included: stress on the base, indentation, and capacitance through the field in the curved gap
     to first order in the indentation. A node of the grid stands for the surface above it, with its
-    true area there; pads are discs of the curved base.
+    true area there: the model's own grid, `ObservationModel.grid`, has its nodes on the outer
+    surface, above those of the grid that was handed in, and counts forces by the areas there. Pads
+    are discs of the curved base.
 
     Parameters
     ----------
@@ -170,12 +172,13 @@ class CurvedLayer(BondedLayer):
     base : SphericalBase or CylindricalBase, optional
         What the pads lie on. Default the sphere or cylinder that fits the taxels' positions and
         normals best, if none is farther from it than a tenth of the thickness and no normal leans
-        more than 15°. Taxels in a plane, or on a radius of 1000 thicknesses, have a flat layer.
+        more than 25°. Taxels in a plane, or on a radius of 1000 thicknesses, have a flat layer.
 
     Notes
     -----
-    Contacts are fitted by `BondedLayer` in the developed plane, whose methods are inherited, and
-    so is the displacement between taxels.
+    Contacts are fitted by a flat layer in the developed plane, thinner and of another modulus, so
+    that a press is read alike: see `Physics.flat`. The displacement is that of `BondedLayer`, whose
+    methods are inherited.
     """
 
     base: Base | None = None

@@ -290,9 +290,11 @@ def _laid_flat(physics: Physics, curved: Floats, grid: Grid) -> Layer:
     """The flat layer that reads the same force above a pad alike, (L, K) being the curved one's.
 
     Waves of the middle of the layer are longer than those of its base: it is thinner by as much.
-    The modulus takes what is left; a stress on the base does not depend on it.
+    The modulus takes what is left; a stress on the base does not depend on it, and is left as it is.
     """
     layer = physics.layer
+    if isinstance(physics.quantity, BaseStress):
+        return layer
     between = grid.spread**0.25  # what lengths on the middle of the layer are on its base
     thinner = replace(layer, thickness=round(layer.thickness / between, 7))
     mechanics, quantity, pad = physics.flat.mechanics, physics.quantity, physics.pad_diameter
