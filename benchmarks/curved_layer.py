@@ -28,12 +28,21 @@ def sphere(radius: float, nu: float):
     """Patch, pressure at places, and true readings by the name of a response."""
     pitch = min(5e-3, 0.6 * radius)
     patch = sf.layouts.sphere_cap(radius=radius, cap_angle=min(1.6, 20e-3 / radius), pitch=pitch)
-    away = lambda at: np.arccos(np.clip(at[:, 2] / np.linalg.norm(at, axis=1), -1.0, 1.0))
+
+    def away(at):
+        return np.arccos(np.clip(at[:, 2] / np.linalg.norm(at, axis=1), -1.0, 1.0))
+
     edge = WIDTH / (radius + H)
-    dome = lambda angle: np.sqrt(np.maximum(1.0 - (angle / edge) ** 2, 0.0))
+
+    def dome(angle):
+        return np.sqrt(np.maximum(1.0 - (angle / edge) ** 2, 0.0))
+
     series = legendre_series(radius / H, nu)
     pads = PAD / 2 / radius, away(patch.positions), edge, dome
-    true = lambda name: closed.of_cap(getattr(series, name), radius, *pads)
+
+    def true(name):
+        return closed.of_cap(getattr(series, name), radius, *pads)
+
     return patch, lambda at: dome(away(at)), true
 
 
@@ -42,7 +51,9 @@ def cylinder(radius: float, nu: float):
     outer, width = radius / H + 1.0, WIDTH / H / 2
     arc = min(2.5, 40e-3 / radius)
     patch = sf.layouts.cylinder(radius=radius, length=40e-3, arc_angle=arc, pitch=5e-3)
-    places = lambda at: (np.arctan2(at[:, 0], at[:, 2]), at[:, 1] / H)
+
+    def places(at):
+        return (np.arctan2(at[:, 0], at[:, 2]), at[:, 1] / H)
 
     def bump(at):
         angle, along = places(at)
@@ -50,7 +61,7 @@ def cylinder(radius: float, nu: float):
 
     m, k = np.arange(int(8 * outer)), np.linspace(0.0, 8.0, 81)
     waves = [each.ravel() for each in np.meshgrid(m, k, indexing="ij")]
-    series = cylinder_responses(*waves, radius / H, nu)
+    series = cylinder_responses(waves[0], waves[1], radius / H, nu)
     mean = jinc(np.hypot(waves[0] * H / radius, waves[1]), PAD / 2 / H)
 
     def true(name):
@@ -60,7 +71,7 @@ def cylinder(radius: float, nu: float):
     return patch, bump, true
 
 
-def errors(body, radius: float, nu: float) -> list[float]:
+def errors(body, radius: float, nu: float) -> list:
     """Of stress, ignored and exact; of the gap, ignored, corrected and exact."""
     patch, pressure, true = body(radius, nu)
     layer, found = sf.Layer(thickness=H, poisson_ratio=nu), []

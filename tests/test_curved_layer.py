@@ -208,7 +208,7 @@ def test_contact_is_found_on_the_outer_surface(kind):
     else:
         patch = sf.layouts.cylinder(radius=radius, length=30e-3, arc_angle=1.5, pitch=4e-3)
     layer, outer, quantity = sf.Layer(thickness=H), radius + H, sf.Capacitance(order=1)
-    at = patch.plane.mean(axis=0) + [0.9e-3, 0.5e-3]
+    at = patch.plane.mean(axis=0) + np.array([0.9e-3, 0.5e-3])
     near = sf.Grid.window(patch, at - 4e-3, at + 4e-3, 0.25e-3)
     truth = sf.ObservationModel.of(patch, layer, near, sf.CurvedLayer(), quantity)
     place = truth.grid.positions[np.argmin(np.linalg.norm(near.plane - at, axis=1))]

@@ -290,7 +290,7 @@ def _laid_flat(physics: Physics, curved: Floats, grid: Grid) -> Layer:
     """The flat layer that reads the same force above a pad alike, (L, K) being the curved one's.
 
     Waves of the middle of the layer are longer than those of its base: it is thinner by as much.
-    The modulus takes what is left; a stress on the base does not depend on it, and is left as it is.
+    The modulus takes what is left; a stress on the base does not depend on it.
     """
     layer = physics.layer
     if isinstance(physics.quantity, BaseStress):

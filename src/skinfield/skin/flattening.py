@@ -371,11 +371,10 @@ def develop(positions: Floats, normals: Floats) -> Surface:
     points = positions[row]
     facing = _merged(normals, back, normals[row])
     links = links_between(points, facing)
-    shape: Shape | None = round_through(points, facing)
-    plane = _laid_flat(points, facing, links) if shape is None else shape.plane(points)
+    body = round_through(points, facing)
+    plane = _laid_flat(points, facing, links) if body is None else body.plane(points)
     held = holds(plane, links)
-    if shape is None:
-        shape = quadrics_through(plane, points, facing, links.pairs[held])
+    shape = body or quadrics_through(plane, points, facing, links.pairs[held])
     laid = plane[back]
     laid.setflags(write=False)
     severed = int(np.count_nonzero(links.near & ~held))

@@ -86,7 +86,7 @@ class Sphere:
     def held(self, points: Floats, side: float) -> Floats:
         """See `Surface.held`."""
         away = np.linalg.norm(points - self.centre @ self.frame[:, :2], axis=1)
-        return np.clip((2 * self.radius - away) / side + 0.5, 0.0, 1.0)
+        return np.asarray(np.clip((2 * self.radius - away) / side + 0.5, 0.0, 1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +144,7 @@ class Cylinder:
         """See `Surface.held`."""
         width = side * float(np.abs(self._turn[0]).sum())  # of a cell, around
         before = (np.pi - np.abs(self._unrolled(points)[0])) * self.radius
-        return np.clip(before / width + 0.5, 0.0, 1.0)
+        return np.asarray(np.clip(before / width + 0.5, 0.0, 1.0))
 
 
 @dataclass(frozen=True, eq=False)

@@ -47,8 +47,8 @@ class AtomRenderer:
         """What rows of contacts are written by."""
         grid = self.grid
         places = np.array(grid.positions, order="C"), np.array(grid.normals, order="C")
-        known = self._surface, self._layer.thickness, grid.spread
-        return Packed(RowGrid(self._mesh, *places, *known), GRID)
+        thickness = self._layer.thickness
+        return Packed(RowGrid(self._mesh, *places, self._surface, thickness, grid.spread), GRID)
 
     @cached_property
     def _fine(self) -> tuple[GridMesh, int, int, Floats]:
