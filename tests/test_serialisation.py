@@ -54,6 +54,17 @@ def test_the_reconstructor_is_the_same_to_the_last_bit(patch) -> None:
     np.testing.assert_array_equal(second.operator, first.operator)
 
 
+@pytest.mark.parametrize(
+    "base",
+    [None, sf.SphericalBase((0, 0, 0), 0.1), sf.CylindricalBase((0, 0, 0.1), (1, 2, 3), 0.1)],
+)
+def test_curved_layers_come_back_equal(base) -> None:
+    layer = sf.CurvedLayer(inextensible_cover=True, base=base)
+    text = json.dumps(plain_from_value("it", layer))
+    assert value_from_plain("it", json.loads(text)) == layer
+    assert pickle.loads(pickle.dumps(layer)) == layer
+
+
 def test_settings_with_intervals_are_refused_with_what_to_do() -> None:
     rec = sf.Reconstructor(PATCH, grid=GRID, solver=sf.Tikhonov())
     plain = ReconstructorConfig.of(rec).to_plain()

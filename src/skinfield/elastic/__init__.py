@@ -17,4 +17,5 @@ from skinfield.elastic.observation import ObservationModel as ObservationModel
 from skinfield.elastic.observation import Physics as Physics
 from skinfield.elastic.observation import Quantity as Quantity
 from skinfield.elastic.observation import check_skin as check_skin
+from skinfield.elastic.observation import on_surface as on_surface
 from skinfield.elastic.viscoelastic import StandardLinearSolid as StandardLinearSolid

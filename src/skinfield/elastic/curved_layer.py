@@ -1,7 +1,7 @@
 """The bonded layer on a curved body: a rigid sphere or cylinder, recognised from the taxels."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -12,6 +12,7 @@ from skinfield.elastic.elastomer import Layer
 from skinfield.errors import Floats, InputError, Ints, check_positive, check_shape, check_type
 from skinfield.skin import Grid, Patch
 from skinfield.skin.geometry import flat_frame
+from skinfield.skin.quadrics import Quadrics
 
 OFF = 0.1  # thicknesses: a taxel farther from a sphere or cylinder than that does not lie on it
 LEAN = np.sin(np.radians(25.0))  # nor does one whose normal leans more than 25°
@@ -97,7 +98,8 @@ class CylindricalBase:
         length = float(np.linalg.norm(axis))
         if not length > 1e-9:
             raise InputError(f"axis is {self.axis}, expected a direction: (0, 1, 0) is along y")
-        object.__setattr__(self, "axis", tuple((axis / length).tolist()))
+        axis = axis if abs(length - 1.0) < 1e-12 else axis / length  # so that a copy is equal
+        object.__setattr__(self, "axis", tuple(axis.tolist()))
         object.__setattr__(self, "point", _three("point", self.point))
         check_positive("radius", self.radius, "of the cylinder on which the pads lie, in metres")
 
@@ -159,7 +161,9 @@ class CurvedLayer(BondedLayer):
     (`curved_series`), for any thickness, modulus and Poisson's ratio, the incompressible limit
     included: stress on the base, indentation, and capacitance through the field in the curved gap
     to first order in the indentation. A node of the grid stands for the surface above it, with its
-    true area there; pads are discs of the curved base.
+    true area there: the model's own grid, `ObservationModel.grid`, has its nodes on the outer
+    surface, above those of the grid that was handed in, and counts forces by the areas there. Pads
+    are discs of the curved base.
 
     Parameters
     ----------
@@ -168,12 +172,13 @@ class CurvedLayer(BondedLayer):
     base : SphericalBase or CylindricalBase, optional
         What the pads lie on. Default the sphere or cylinder that fits the taxels' positions and
         normals best, if none is farther from it than a tenth of the thickness and no normal leans
-        more than 15°. Taxels in a plane, or on a radius of 1000 thicknesses, have a flat layer.
+        more than 25°. Taxels in a plane, or on a radius of 1000 thicknesses, have a flat layer.
 
     Notes
     -----
-    Contacts are fitted by `BondedLayer` in the developed plane, whose methods are inherited, and
-    so is the displacement between taxels.
+    Contacts are fitted by a flat layer in the developed plane, thinner and of another modulus, so
+    that a press is read alike: see `Physics.flat`. The displacement is that of `BondedLayer`, whose
+    methods are inherited.
     """
 
     base: Base | None = None
@@ -196,6 +201,13 @@ class CurvedLayer(BondedLayer):
             return None
         fitted = _fitted(patch.positions, patch.normals, layer.thickness, patch.name)
         return None if fitted.radius > WIDE * layer.thickness else fitted
+
+    def outer(self, grid: Grid, layer: Layer) -> Grid:
+        """The same nodes on the outer surface, with the areas there; a flat layer's as they are."""
+        base = self.base_of(grid.patch, layer)
+        if base is None:
+            return grid
+        return replace(grid, height=layer.thickness, spread=base.area(layer.thickness))
 
     def on_grid(
         self, name: str, layer: Layer, grid: Grid, taxels: Floats, pad_diameter: float
@@ -252,8 +264,8 @@ def _on_base(base: Base, points: Floats) -> Floats:
 def _pieces(grid: Grid, base: Base, largest: float) -> tuple[Floats, Floats, Ints]:
     """Pieces of a grid's cells, no wider than `largest` m: middles (M, 3) m, areas, and nodes (M,).
 
-    Middles and areas are on the base. Where the plane was cut or folded and overlaps itself, its
-    sheets share the area.
+    Middles and areas are on the base. What is no place of its own, beyond the cut of a cylinder,
+    has no area; where the plane of another body was cut and overlaps itself, its sheets share it.
     """
     parts = max(1, int(np.ceil(grid.pitch / largest)))
     step, (rows, columns) = grid.pitch / parts, grid.shape
@@ -266,7 +278,11 @@ def _pieces(grid: Grid, base: Base, largest: float) -> tuple[Floats, Floats, Int
     row, column = (each.ravel() // parts for each in np.indices(shape))
     middles = lattice[1:-1, 1:-1].reshape(-1, 3)
     node = np.asarray(row * columns + column, dtype=np.int64)
-    return middles, areas / _sheets(middles, node, along, across, columns), node
+    surface = grid.patch.surface
+    if isinstance(surface.shape, Quadrics):
+        return middles, areas / _sheets(middles, node, along, across, columns), node
+    inner = ring.plane.reshape(*ring.shape, 2)[1:-1, 1:-1].reshape(-1, 2)
+    return middles, areas * surface.held(inner, step), node
 
 
 def _sheets(middles: Floats, node: Ints, along: Floats, across: Floats, columns: int) -> Floats:

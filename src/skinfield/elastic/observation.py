@@ -9,6 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from skinfield.elastic.bonded_layer import BondedLayer
 from skinfield.elastic.curved_layer import CurvedLayer
 from skinfield.elastic.elastomer import Layer, Mechanics
 from skinfield.elastic.lattice import LatticeConvolution, displacement_kernel
@@ -258,12 +259,55 @@ class Physics:
     mechanics : Mechanics
     quantity : Quantity
     pad_diameter : float, m
+    laid_flat : Layer, optional
+        On curved skin, the flat layer in the plane that reads nearly the same of a press.
     """
 
     layer: Layer
     mechanics: Mechanics
     quantity: Quantity
     pad_diameter: float
+    laid_flat: Layer | None = None
+
+    @property
+    def flat(self) -> "Physics":
+        """That of the layer laid flat: what contacts are fitted by."""
+        if not isinstance(self.mechanics, CurvedLayer):
+            return self
+        mechanics = BondedLayer(self.mechanics.inextensible_cover)
+        return Physics(self.laid_flat or self.layer, mechanics, self.quantity, self.pad_diameter)
+
+
+PRESS = 1.25  # thicknesses: radius of a usual contact
+
+
+def on_surface(grid: Grid, layer: Layer, mechanics: Mechanics) -> Grid:
+    """Nodes where pressure acts: on curved skin, the outer surface above those of a grid."""
+    return mechanics.outer(grid, layer) if isinstance(mechanics, CurvedLayer) else grid
+
+
+def _laid_flat(physics: Physics, curved: Floats, grid: Grid) -> Layer:
+    """The flat layer that reads the same force above a pad alike, (L, K) being the curved one's.
+
+    Waves of the middle of the layer are longer than those of its base: it is thinner by as much.
+    The modulus takes what is left; a stress on the base does not depend on it.
+    """
+    layer = physics.layer
+    if isinstance(physics.quantity, BaseStress):
+        return layer
+    between = grid.spread**0.25  # what lengths on the middle of the layer are on its base
+    thinner = replace(layer, thickness=round(layer.thickness / between, 7))
+    mechanics, quantity, pad = physics.flat.mechanics, physics.quantity, physics.pad_diameter
+    flat = quantity.matrix(mechanics, thinner, grid, grid.patch.plane, pad)
+    radius = max(PRESS * layer.thickness, 1.5 * grid.pitch)
+    away = np.linalg.norm(grid.patch.plane[:, None] - grid.plane, axis=2) / radius
+    dome = np.sqrt(np.maximum(1.0 - away**2, 0.0))
+    known = np.sum(flat * dome, axis=1), np.sum(curved * dome, axis=1) / grid.spread
+    pressed = (known[0] > 0.0) & (known[1] > 0.0)
+    if not pressed.any():
+        return thinner
+    stiffer = float(np.median(known[0][pressed] / known[1][pressed]).round(4))
+    return replace(thinner, young_modulus=stiffer * layer.young_modulus)
 
 
 @dataclass(frozen=True, eq=False)
@@ -322,7 +366,8 @@ class ObservationModel:
         patch : Patch
         layer : Layer
         grid : Grid
-            On the patch; a node stands for the outer surface above it.
+            On the patch; a node stands for the outer surface above it. That of the model has its
+            nodes there, with the areas there, where the skin is curved.
         mechanics : Mechanics
             `BondedLayer()`; on a sphere or cylinder, `CurvedLayer()`.
         quantity : Quantity
@@ -331,6 +376,7 @@ class ObservationModel:
             One for all taxels, or each its own. Default the quantity's `typical_noise`.
         """
         noise_std = quantity.typical_noise if noise_std is None else noise_std
+        grid = on_surface(grid, layer, mechanics)
 
         def virtual_matrix(taxels: Floats) -> Floats:
             return quantity.matrix(mechanics, layer, grid, taxels, pad_diameter=0.0)
@@ -340,6 +386,8 @@ class ObservationModel:
             noise = np.full(len(patch), float(noise))
         matrix = quantity.matrix(mechanics, layer, grid, patch.plane, patch.pad_diameter)
         physics = Physics(layer, mechanics, quantity, patch.pad_diameter)
+        if isinstance(mechanics, CurvedLayer):
+            physics = replace(physics, laid_flat=_laid_flat(physics, matrix, grid))
         return cls(matrix, noise, patch.plane, grid, virtual_matrix, physics)
 
     def subset(self, rows: NDArray[np.bool_]) -> "ObservationModel":

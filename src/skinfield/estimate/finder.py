@@ -87,7 +87,7 @@ def level_of(
     read = np.zeros((1, 1)) if signatures is None else signatures
     least = 0.0 if signatures is None else threshold
     numbers = [grid.shape[1], grid.pitch, *grid.origin]
-    numbers += [model_error.force, model_error.place, sign, least]
+    numbers += [model_error.force, model_error.place, sign, least, grid.cell_area]
     return GridLevel(
         std=_as_compiled(noise.std),
         positions=_as_compiled(grid.positions),

@@ -17,7 +17,8 @@ from skinfield.estimate.tracking_kernel import FORCE_FLOOR, track
 
 CELLS = 96  # of a region up to which its deviations are exact; of larger ones, evenly thinned
 TIE = 1e-9  # as in `skinfield.estimate.ranking`: forces that differ by this part are equal
-COLUMNS, PITCH, X, Y, FORCE_PART, PLACE, SIGN, THRESHOLD, HEIGHTS = range(9)  # of a level's numbers
+# Of a level's numbers:
+COLUMNS, PITCH, X, Y, FORCE_PART, PLACE, SIGN, THRESHOLD, AREA, HEIGHTS = range(10)
 XX, XY, YY, X_FORCE, Y_FORCE, FORCE_FORCE = range(6)  # of a row's covariance
 
 
@@ -205,7 +206,8 @@ def describe(pressure: Floats, cells: Ints, numbers: Floats, row: Any) -> float:
     own = pitch * pitch / 12.0  # of a cell
     moments = row["moments"]
     moments[0], moments[1], moments[2] = share * xx + own, share * yy + own, share * xy
-    row["cells"], row["area"], row["peak_pressure"] = len(cells), len(cells) * pitch * pitch, peak
+    row["cells"], row["peak_pressure"] = len(cells), peak
+    row["area"] = len(cells) * numbers[AREA]
     row["x"], row["y"] = x, y
     return float(total)
 
@@ -223,7 +225,7 @@ def stand(
         for cell in cells:
             along += pressure[cell] * normals[cell, axis]
         force += along * outward[axis]
-    row["normal_force"] = force * pitch * pitch
+    row["normal_force"] = force * numbers[AREA]
     row["x"], row["y"] = numbers[X] + x * pitch, numbers[Y] + y * pitch
 
 
@@ -318,11 +320,11 @@ def deviations(
                 across += value * dy
             add_products(covariance, 2.0 * one, 2.0 * along, 2.0 * across, 1.0, x, y)
     share = len(cells) / used
-    newtons, metres = share * pitch * pitch, share * pitch / total
+    newtons, metres = share * numbers[AREA], share * pitch / total
     for number in range(6):
         covariance[number] *= newtons if number >= X_FORCE else metres
         covariance[number] *= newtons if number == FORCE_FORCE else metres
-    force = total * pitch * pitch * numbers[FORCE_PART]
+    force = total * numbers[AREA] * numbers[FORCE_PART]
     covariance[XX] = max(covariance[XX], 0.0) + numbers[PLACE] * numbers[PLACE]
     covariance[YY] = max(covariance[YY], 0.0) + numbers[PLACE] * numbers[PLACE]
     covariance[FORCE_FORCE] = max(covariance[FORCE_FORCE], 0.0) + force * force

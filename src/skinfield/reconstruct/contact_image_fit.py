@@ -73,7 +73,7 @@ class Response:
     def physics(self) -> Physics:
         """What taxels are made of and read."""
         assert self.model.physics is not None
-        return self.model.physics
+        return self.model.physics.flat
 
     @property
     def order(self) -> int:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from skinfield.elastic import Deformation, Layer, Mechanics, ObservationModel, Quantity
+from skinfield.elastic import Deformation, Layer, Mechanics, ObservationModel, Quantity, on_surface
 from skinfield.errors import Floats, InputError, check_count
 from skinfield.estimate import PressureError
 from skinfield.skin import Grid, Patch
@@ -193,7 +193,7 @@ def prepare_rungs(
         For rungs out of order.
     """
     check_sides(sides)
-    grids = [Grid.square(patch, nodes) for nodes in sides]
+    grids = [on_surface(Grid.square(patch, nodes), layer, mechanics) for nodes in sides]
     physics = mechanics, quantity, noise_std
     finest = ObservationModel.of(patch, layer, grids[-1], *physics)
     top = solver.prepare(finest)

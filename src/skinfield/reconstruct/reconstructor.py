@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -15,6 +16,7 @@ from skinfield.elastic import (
     Mechanics,
     ObservationModel,
     Quantity,
+    on_surface,
 )
 from skinfield.errors import (
     Floats,
@@ -68,7 +70,7 @@ def support_of(grid: Grid, layer: Layer) -> tuple[Grid, Ints]:
     shape = (low + rows + high, left + columns + right)
     origin = grid.origin - np.array([left, low]) * grid.pitch
     row, column = np.divmod(np.arange(len(grid)), columns)
-    return Grid(grid.patch, shape, grid.pitch, origin), (row + low) * shape[1] + column + left
+    return replace(grid, shape=shape, origin=origin), (row + low) * shape[1] + column + left
 
 
 def _check_sight(grid: Grid, layer: Layer) -> None:
@@ -162,7 +164,8 @@ class Reconstructor:
         self.finder = ContactFinder() if finder is None else finder
         check_parts(self.solver, self.finder, grid)
         self.calibration, self._readings_from = own.calibration, own.readings
-        self.grid = Grid.square(patch) if grid is None else grid.on(patch)
+        grid = Grid.square(patch) if grid is None else grid.on(patch)
+        self.grid = on_surface(grid, self.layer, self.mechanics)
         self.precision = precision
         self._creep = CreepCompensation.of(self.layer.relaxation, len(patch), self.quantity)
         noise = own.noise_std if noise_std is None else noise_std

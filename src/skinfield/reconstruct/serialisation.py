@@ -33,8 +33,11 @@ def _kinds() -> Mapping[str, type]:
         BaseStress,
         BondedLayer,
         Capacitance,
+        CurvedLayer,
+        CylindricalBase,
         Gap,
         HalfSpace,
+        SphericalBase,
         StandardLinearSolid,
     )
     from skinfield.signal import Calibration, CySkinCount, ICubByte, PlainCount
@@ -51,6 +54,7 @@ def _kinds() -> Mapping[str, type]:
     known = (
         *(Patch, Layer, BondedLayer, HalfSpace, Capacitance, BaseStress, Gap, ContactFinder),
         *(GaussianField, Tikhonov, PseudoInverse, Inverse, NonNegative, ContactFit, Auto),
+        *(CurvedLayer, SphericalBase, CylindricalBase),
         *(StandardLinearSolid, Calibration, ICubByte, CySkinCount, PlainCount),
     )
     return {kind.__name__: kind for kind in known}

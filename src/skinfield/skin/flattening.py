@@ -8,26 +8,17 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats, Ints
 from skinfield.skin.geometry import Links, flat_frame, links_between, mean_normal, parts_of
-from skinfield.skin.quadrics import Quadrics, quadrics_through
+from skinfield.skin.quadrics import (
+    Cylinder,
+    Flat,
+    Shape,
+    Sphere,
+    quadrics_through,
+    round_through,
+)
 
 OFF_PLANE = 0.01  # of the extent: taxels farther from their plane than this make a curved patch
 TILT = np.cos(np.radians(2.0))  # and so do normals that lean more than this
-
-
-@dataclass(frozen=True, eq=False)
-class Flat:
-    """A rigid plane in space: a point (3,) m of it and an orthonormal frame (3, 3)."""
-
-    origin: Floats
-    frame: Floats
-
-    def positions(self, points: Floats) -> Floats:
-        """Points of the plane (N, 2) m in space (N, 3) m."""
-        return np.asarray(self.origin + points @ self.frame[:, :2].T, dtype=np.float64)
-
-    def frames(self, points: Floats) -> Floats:
-        """The frame at each point, (N, 3, 3)."""
-        return np.broadcast_to(self.frame, (len(points), 3, 3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +29,7 @@ class Surface:
     ----------
     plane : (L, 2) array, m
         Taxel centres in the developed plane; seen from outside, x right and y up.
-    shape : Flat or Quadrics
+    shape : Flat, Sphere, Cylinder or Quadrics
         The way back.
     distortion : float
         How far lengths in the plane are from those on the skin, as a part of 1: the 99th
@@ -49,7 +40,7 @@ class Surface:
     """
 
     plane: Floats
-    shape: Flat | Quadrics
+    shape: Shape
     distortion: float = 0.0
     severed: int = 0
 
@@ -73,6 +64,16 @@ class Surface:
         out of the skin, as that of the taxels does; right-handed.
         """
         return self.shape.frames(np.asarray(plane, dtype=np.float64))
+
+    def held(self, plane: Floats, side: float) -> Floats:
+        """Part (N,) of cells of a side in m, about points of the plane (N, 2) m, that is skin.
+
+        What lies beyond the cut of a cylinder is held on its other side already, and beyond a whole
+        sphere there is nothing.
+        """
+        if isinstance(self.shape, Sphere | Cylinder):
+            return self.shape.held(np.asarray(plane, dtype=np.float64), side)
+        return np.ones(len(plane))
 
 
 def surface_through(positions: Floats, normals: Floats) -> Surface:
@@ -350,7 +351,8 @@ GAP = 3.0  # median links between parts that are laid side by side
 def develop(positions: Floats, normals: Floats) -> Surface:
     """Develop the surface through taxels (L, 3) m with outward unit normals (L, 3).
 
-    The skin is unrolled from its middle and relaxed until distances between neighbours agree with
+    A cylinder is unrolled, and a sphere laid out with the true areas, as closed forms have it.
+    Other skin is unrolled from its middle and relaxed until distances between neighbours agree with
     those along the skin. What cannot be flat without a cut is cut: a sleeve comes out as a sheet,
     severed opposite to its middle (or at its seam, where it has one). Parts that lie apart are
     joined over the narrowest gap; those that face away from each other, as the two sides of a
@@ -369,9 +371,10 @@ def develop(positions: Floats, normals: Floats) -> Surface:
     points = positions[row]
     facing = _merged(normals, back, normals[row])
     links = links_between(points, facing)
-    plane = _laid_flat(points, facing, links)
+    body = round_through(points, facing)
+    plane = _laid_flat(points, facing, links) if body is None else body.plane(points)
     held = holds(plane, links)
-    shape = quadrics_through(plane, points, facing, links.pairs[held])
+    shape = body or quadrics_through(plane, points, facing, links.pairs[held])
     laid = plane[back]
     laid.setflags(write=False)
     severed = int(np.count_nonzero(links.near & ~held))

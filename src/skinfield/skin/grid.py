@@ -1,6 +1,6 @@
 """The nodes where the answer lives."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from operator import index
 from typing import Any
@@ -40,12 +40,19 @@ class Grid:
         Side of a cell.
     origin : (2,) array, m
         Node 0 in the patch's plane.
+    height : float, m
+        Of the nodes above the pads: on curved skin the outer surface, where pressure acts, is
+        elsewhere than the pads, and larger.
+    spread : float
+        Area at that height over that of the pads' own surface.
     """
 
     patch: Patch
     shape: tuple[int, int]
     pitch: float
     origin: Floats = field(default_factory=lambda: np.zeros(2))
+    height: float = 0.0
+    spread: float = 1.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "shape", _shape(self.shape))
@@ -94,7 +101,7 @@ class Grid:
         """
         if patch is self.patch:
             return self
-        moved = Grid(patch, self.shape, self.pitch, self.origin)
+        moved = replace(self, patch=patch)
         apart = float(np.abs(moved.positions - self.positions).max())
         if apart > SAME * self.pitch:
             raise InputError(
@@ -122,8 +129,8 @@ class Grid:
 
     @property
     def cell_area(self) -> float:
-        """Area of one cell, m²; the same for all."""
-        return self.pitch**2
+        """Area of one cell at the nodes' height, m²; the same for all."""
+        return self.pitch**2 * self.spread
 
     @cached_property
     def plane(self) -> Floats:
@@ -134,7 +141,8 @@ class Grid:
     @cached_property
     def positions(self) -> Floats:
         """Nodes in the patch's frame, (K, 3) m."""
-        return _read_only(self.patch.surface.position_from_plane(self.plane))
+        pads = self.patch.surface.position_from_plane(self.plane)
+        return _read_only(pads + self.height * self.normals if self.height else pads)
 
     @cached_property
     def frames(self) -> Floats:
@@ -159,7 +167,8 @@ class Grid:
 
         taxels = self.patch.plane
         near = np.asarray(cKDTree(taxels).query(self.plane)[0]) <= COVER * self.patch.pitch
-        return inside_hull(taxels, self.plane) & near
+        own = self.patch.surface.held(self.plane, self.pitch) > 0.5  # once, across a seam
+        return inside_hull(taxels, self.plane) & near & own
 
 
 def _read_only(array: Floats) -> Floats:

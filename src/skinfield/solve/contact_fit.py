@@ -117,7 +117,7 @@ class ContactOperator:
         """The same fit for another grid of the patch; all else is shared."""
         physics = model.physics
         assert physics is not None  # as it is that of the grid before
-        renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
+        renderer = AtomRenderer(model.grid, physics.flat.layer, physics.flat.mechanics)
         return replace(self, model=model, renderer=renderer)
 
     @cached_property
@@ -244,7 +244,7 @@ class ContactFit(FitSettings):
         """Tabulate what single contacts are read as, and templates of them all over the patch."""
         fitter, physics = ContactFitter(self, model), model.physics
         assert physics is not None  # the fitter checks it
-        renderer = AtomRenderer(model.grid, physics.layer, physics.mechanics)
+        renderer = AtomRenderer(model.grid, physics.flat.layer, physics.flat.mechanics)
         operator = ContactOperator(self, model, fitter, renderer)
         if MODE.interpreted:
             return operator

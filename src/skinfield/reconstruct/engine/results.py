@@ -1,6 +1,7 @@
 """Results of a cycle: arrays that stay where they are, and estimates of each patch made of them."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -131,7 +132,7 @@ def patch_shift(group: PatchGroup, place: int) -> Floats:
 def grid_on(group: PatchGroup, place: int, rung: int) -> Grid:
     """Nodes of a rung on one of the patches, which lie where those of the first do."""
     grid, shift = group.rungs.steps[rung].grid, patch_shift(group, place)
-    return Grid(group.kind.patches[place], grid.shape, grid.pitch, grid.origin + shift)
+    return replace(grid, patch=group.kind.patches[place], origin=grid.origin + shift)
 
 
 def estimate_of(

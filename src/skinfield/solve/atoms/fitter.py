@@ -72,7 +72,7 @@ class ContactFitter:
                 "the model does not say what it is made of, expected physics: make it with "
                 "ObservationModel.of()"
             )
-        physics = model.physics
+        physics = model.physics.flat
         self.settings, self.model = settings, model
         self.thickness = thickness = physics.layer.thickness
         tables = atom_tables(physics)

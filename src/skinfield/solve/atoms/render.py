@@ -47,7 +47,8 @@ class AtomRenderer:
         """What rows of contacts are written by."""
         grid = self.grid
         places = np.array(grid.positions, order="C"), np.array(grid.normals, order="C")
-        return Packed(RowGrid(self._mesh, *places, self._surface, self._layer.thickness), GRID)
+        thickness = self._layer.thickness
+        return Packed(RowGrid(self._mesh, *places, self._surface, thickness, grid.spread), GRID)
 
     @cached_property
     def _fine(self) -> tuple[GridMesh, int, int, Floats]:
@@ -76,6 +77,7 @@ class AtomRenderer:
         """
         _check(atoms, family)
         render(atoms, family, self._surface, self._mesh, out)
+        out /= self.grid.spread
 
     def displacement(self, atoms: Floats, family: Family) -> Floats:
         """Displacement of the nodes in the patch's frame, (K, 3) m.

@@ -125,6 +125,8 @@ class RowGrid(NamedTuple):
     positions, normals : (K, 3) arrays
     surface : PressureTable
     thickness : float, m
+    spread : float
+        See `Grid.spread`: of so much more surface, the same force is less pressure.
     """
 
     mesh: GridMesh
@@ -132,12 +134,13 @@ class RowGrid(NamedTuple):
     normals: Floats
     surface: PressureTable
     thickness: float
+    spread: float
 
 
 def smallest_grid() -> RowGrid:
     """Of no size: what kinds of arrays it has."""
     surface, places = PressureTable(np.zeros((2, 1, 1)), 0.0, 0.0), np.zeros((1, 3))
-    return RowGrid(GridMesh(0.0, 0.0, 0.0, 1, 1), places, places, surface, 0.0)
+    return RowGrid(GridMesh(0.0, 0.0, 0.0, 1, 1), places, places, surface, 0.0, 1.0)
 
 
 GRID = PackedType(smallest_grid())
@@ -574,6 +577,7 @@ def write_rows(
 def write_bodies(grid: RowGrid, drawing: Drawing, count: int, pressure: Floats, rows: Any) -> int:
     """Write the pressure and the contacts of drawn atoms; see `write_rows`."""
     render(drawing.atoms[:count], drawing.family[:count], grid.surface, grid.mesh, pressure)
+    pressure /= grid.spread
     found, forces, order = 0, drawing.sums[0], drawing.order
     for n in range(count):
         forces[n] = 0.0
