@@ -20,7 +20,7 @@ from skinfield.lab.scenarios import scenario_from_toml
 from skinfield.lab.score import summarise
 from skinfield.simulate import Finger, Sphere, press
 from skinfield.simulate.electronics import Defects, Noise, cyskin_electronics, icub_electronics
-from skinfield.simulate.electronics.hysteresis import Hysteresis
+from skinfield.simulate.electronics.array import Hysteresis
 from skinfield.simulate.habits import HABITS, NONE, REAL, Tolerances, habits_by_name
 from skinfield.simulate.rig import run_rig
 from skinfield.skin.generators import by_name, rectangular

@@ -28,6 +28,8 @@ from skinfield.settings import Positive, Range, SettingError, json_from_value, v
 
 TEXT = st.text(st.characters(exclude_categories=("Cs", "Cc")), min_size=1, max_size=12)
 WORDS = {  # fields whose values are checked in their own way
+    "layout": TEXT,
+    "urdf": st.none(),  # it takes parts
     "options": st.just(("period_ms=20", "config=a b.xml")),
     "ros_rate": st.just(()),
     "ros_domain": st.none(),

@@ -33,6 +33,7 @@ if _typing.TYPE_CHECKING:
     from skinfield.reconstruct import Reconstructor as Reconstructor
     from skinfield.reconstruct.contact_images import ContactImages as ContactImages
     from skinfield.reconstruct.engine import Engine as Engine
+    from skinfield.robot import load_robot as load_robot
     from skinfield.signal import find_faults as find_faults
     from skinfield.simulate import datasets as datasets
     from skinfield.skin import Grid as Grid
@@ -72,6 +73,7 @@ _ON_DEMAND = {  # a module, or a module and what it holds
             "reconstruct": "Reconstructor",
             "reconstruct.contact_images": "ContactImages",
             "reconstruct.engine": "Engine",
+            "robot": "load_robot",
             "signal": "find_faults",
             "skin": "Grid Patch Skin",
             "solve": "Auto ContactFit GaussianField Inverse NonNegative PseudoInverse "

@@ -1,10 +1,12 @@
 """Options that commands share, and the objects that they stand for: the only list of variants."""
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields, is_dataclass, replace
 from math import ceil, inf
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_type_hints
 
 from cyclopts import Group, Parameter
@@ -17,6 +19,7 @@ from skinfield.cli.settings import (
     ModelSettings,
     QuantityName,
     Settings,
+    SkinSettings,
     SolverName,
     TaxelSettings,
     load_settings,
@@ -49,6 +52,8 @@ SOLVERS = {
 }
 FLAGS = {  # of fields whose flag has another name
     "layout": "skin",
+    "urdf": "robot",
+    "robot": "robot-name",
     "options": "set",
     "as_json": "json",
     "into": "record",
@@ -188,6 +193,31 @@ def skin_from_text(text: str) -> "sf.Skin":
     from skinfield.files.layouts.load import skin_from_text as skin_of_words
 
     return skin_of_words(text)
+
+
+def skin_of(section: SkinSettings) -> "sf.Skin":
+    """Skin of the settings of one, on its robot where they name it."""
+    if section.urdf is None:
+        return skin_from_text(section.layouts[0])
+    parts = section.parts()
+    everywhere = parts.pop("", [])
+    if parts and everywhere:
+        raise InputError(
+            f"--skin is {everywhere[0]!r} beside {', '.join(parts)}, expected LINK=LAYOUT for each"
+        )
+    return sf.load_robot(section.urdf, skin=parts or everywhere).skin
+
+
+@contextmanager
+def layout_text(section: SkinSettings) -> Iterator[str]:
+    """What another process reads the skin from: the layout, or a file of all that is on a robot."""
+    if section.urdf is None:
+        yield section.layouts[0]
+        return
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "skin.npz"
+        sf.save_layout(skin_of(section), path)
+        yield str(path)
 
 
 def profile_in_use(wanted: Elastomer, hardware: str | None = None, layout: str = "") -> SkinProfile:

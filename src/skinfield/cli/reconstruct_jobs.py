@@ -105,7 +105,7 @@ class JobPlan:
             if its.calibration is not None:
                 live = ModelConfig.from_json(json.dumps(LiveRecording.open(layout).configuration))
                 elastomer, model = options.by_model(live.layer, live.mechanics, elastomer, model)
-            profile = options.profile_in_use(elastomer, hardware, its.layout)
+            profile = options.profile_in_use(elastomer, hardware, its.first)
         elastomer, model, skin = options.by_touch(counts.calibration, elastomer, model)
         assumed = options.assumed_of(scale, given, skin)
         if recorded is not None and given.modulus_kpa is None and skin is None:

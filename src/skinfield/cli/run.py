@@ -83,12 +83,12 @@ def run(
     before what it says. --save writes one. A recording (.mcap) holds those that it was made with.
 
       skinfield run
-      skinfield run --port 8700 --no-browser
       skinfield run --skin cylinder --scene slide
       skinfield run --record touch.mcap --duration 60
       skinfield run --hardware icub --bus socketcan --channel can0 --skin right_foot.txt
       skinfield run --hardware packet --bus udp --channel 0.0.0.0:9870 --skin my_skin.toml
       skinfield run --hardware cyskin --skin my_skin.json --save my_robot.toml
+      skinfield run --robot robot.urdf --skin l_hand=left.txt --skin r_hand=right.txt
       skinfield run my_robot.toml --duration 10 --headless --json
 
     Other programs get the estimates with `skinfield.connect()`, see docs/tutorials/live-skin.md;
@@ -255,20 +255,21 @@ def virtual_skin(wanted: Settings, profile: SkinProfile) -> Any:
     from skinfield.emulator.settings import NO_HABITS, VirtualSettings
 
     source = wanted.source
-    settings = VirtualSettings(
-        hardware="icub",
-        skin=wanted.skin.layout,
-        bus=source.bus or "udp",
-        channels=source.channel,
-        rate=source.virtual_rate_hz,
-        layer=options.layer_of(wanted.skin, profile),
-        habits=source.habits,
-        noise_scale=VIRTUAL_NOISE if source.habits == NO_HABITS else None,
-        scene="idle",  # until the engine has its baseline
-        lead_in=0.0,
-        seed=source.seed,
-    )
-    return start(settings)
+    with options.layout_text(wanted.skin) as text:
+        settings = VirtualSettings(
+            hardware="icub",
+            skin=text,
+            bus=source.bus or "udp",
+            channels=source.channel,
+            rate=source.virtual_rate_hz,
+            layer=options.layer_of(wanted.skin, profile),
+            habits=source.habits,
+            noise_scale=VIRTUAL_NOISE if source.habits == NO_HABITS else None,
+            scene="idle",  # until the engine has its baseline
+            lead_in=0.0,
+            seed=source.seed,
+        )
+        return start(settings)
 
 
 def on_virtual_boards(source: SourceSettings, channels: Sequence[str]) -> SourceSettings:
@@ -390,9 +391,8 @@ def settings_by_source(
     """The profile in use, and what makes the settings of an engine for a source."""
     from skinfield.cli.sources import skin_for, source_from_options
 
-    hardware, layout = wanted.source.hardware, wanted.skin.layout
-    skin = options.skin_from_text(layout)
-    profile = options.profile_in_use(wanted.skin, hardware, layout)
+    hardware, skin = wanted.source.hardware, options.skin_of(wanted.skin)
+    profile = options.profile_in_use(wanted.skin, hardware, wanted.skin.first)
     answers, assumed = calibrated(wanted)
     skin = skin_for(hardware or "", skin)
     # without secrets; a virtual skin is started anew

@@ -132,11 +132,42 @@ class SkinSettings(TaxelSettings, Elastomer):
 
     Parameters
     ----------
-    layout : str
-        Layout file, or a generator by name.
+    layout : str or several
+        Layout file, or a generator by name; on a robot LINK=LAYOUT, again for more, or all of it.
+    urdf : str, optional
+        URDF of the robot that it is on.
     """
 
-    layout: str = "hexagon72"
+    layout: str | tuple[str, ...] = "hexagon72"
+    urdf: str | None = None
+
+    def check(self) -> None:
+        """See `Section`."""
+        super().check()
+        if self.urdf is None and len(self.layouts) != 1:
+            raise self.wrong("layout", "one; several are parts of a robot, with --robot its URDF")
+        if self.urdf is not None and self.layout == type(self).layout:
+            raise self.wrong("layout", "--skin LINK=LAYOUT, or the layout of all parts, of a robot")
+
+    @property
+    def layouts(self) -> tuple[str, ...]:
+        """All that are given."""
+        return (self.layout,) if isinstance(self.layout, str) else self.layout
+
+    @property
+    def first(self) -> str:
+        """The layout that is given first, without its link."""
+        return next(iter(self.parts().values()))[0] if self.urdf else self.layouts[0]
+
+    def parts(self) -> dict[str, list[str]]:
+        """Layouts by the link or part that they are for; "" for those of all parts."""
+        found: dict[str, list[str]] = {}
+        for text in self.layouts:
+            part, equals, layout = text.partition("=")
+            if not equals or ":" in part:  # a generator with its numbers
+                part, layout = "", text
+            found.setdefault(part, []).append(layout)
+        return found
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,3 +16,4 @@ from skinfield.estimate.uncertainty import ModelError as ModelError
 from skinfield.estimate.uncertainty import PressureError as PressureError
 from skinfield.estimate.uncertainty import PressureNoise as PressureNoise
 from skinfield.estimate.uncertainty import PressurePosterior as PressurePosterior
+from skinfield.estimate.wrench import Wrench as Wrench

@@ -15,6 +15,8 @@ from skinfield.plot import number, plus_minus
 class Contact:
     """One pressed region of a patch, in the patch's own frame.
 
+    That of a patch on a robot (`skinfield.load_robot`) is the frame of its link.
+
     Attributes
     ----------
     position : (3,) array, m
@@ -56,6 +58,11 @@ class Contact:
     force_covariance : (3, 3) array, N²
         Of the force in the patch's frame. Along the skin it is as wide as before any reading where
         these told of no force there; NaN of contacts that were found in a field.
+    tangents : (3, 2) array
+        Unit vectors along the skin at `position`, to which `covariance` refers. Default x along
+        the skin, and what is across it.
+    link : str
+        Name of the robot's link that carries the patch; "" where it has none.
     """
 
     position: Floats
@@ -75,6 +82,12 @@ class Contact:
     maybe: int = field(default_factory=lambda: 0)  # what `later` has not may come
     track_id: int | None = field(default_factory=lambda: None)
     force_covariance: Floats = field(default_factory=lambda: np.full((3, 3), np.nan))
+    tangents: Floats = field(default_factory=lambda: np.empty((3, 0)))
+    link: str = field(default_factory=str)
+
+    def __post_init__(self) -> None:
+        if not np.size(self.tangents):
+            self.__dict__["tangents"] = tangents_at(self.normal)
 
     @classmethod
     def later(cls, rest: Any, /, **known: Any) -> Self:
@@ -125,6 +138,21 @@ class Contact:
         """All attributes, for pickles and copies: what they are worked out from stays behind."""
         return {name: getattr(self, name) for name in self.__dataclass_fields__}
 
+    def moved(self, pose: Floats) -> "Contact":
+        """The same in another frame, by the pose (4, 4) m of its own in it.
+
+        `link`, and whatever does not depend on the frame, stay.
+        """
+        turn, shift = pose[:3, :3], pose[:3, 3]
+        return type(self).later(
+            self,
+            position=turn @ self.position + shift,
+            **{name: turn @ getattr(self, name) for name in ("force", "moment", "normal")},
+            tangents=turn @ self.tangents,
+            force_covariance=turn @ self.force_covariance @ turn.T,
+            outline=self.outline @ turn.T + shift,
+        )
+
     @property
     def normal_force(self) -> float:
         """Force into the skin along its normal, N; positive in compression."""
@@ -156,3 +184,10 @@ class Contact:
     def place_radius(self, level: float = 0.9) -> float:
         """Radius, m, of the circle about `position` that holds the true one so often."""
         return normal_radius(self.covariance[:2, :2], level)
+
+
+def tangents_at(normal: Floats) -> Floats:
+    """Unit vectors (3, 2) along a surface: x turned onto it, or y where that is its normal."""
+    axis = np.eye(3)[int(abs(normal[0]) > 0.9)]
+    east = axis - (axis @ normal) * normal
+    return np.asarray(np.stack([east, np.cross(normal, east)], axis=1) / np.linalg.norm(east))

@@ -33,7 +33,7 @@ class ListedContact(Contact):
 
     number: int
     body: str
-    link: int
+    link: int  # type: ignore[assignment]  # as skinDynLib counts them, not a name
     skin: str
     taxels: int
 

@@ -120,6 +120,7 @@ def contacts_of(
                 force=resultants[index],
                 moment=shares[index] * contact.moment,
                 normal=frames[index, :, 2],
+                tangents=frames[index, :, :2],
                 covariance=covariances[index, :3, :3],
                 track_id=int(track["number"]),
                 velocity=velocities[index],

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from skinfield.errors import Floats, InputError
 from skinfield.estimate.contact import Contact
 from skinfield.estimate.contacts import Contacts
+from skinfield.estimate.wrench import Wrench
 from skinfield.plot import Pictured, Place, drawing, number, plural
 from skinfield.skin import Grid
 
@@ -256,6 +257,21 @@ class Estimate(Pictured):
     @property
     def _field_force(self) -> Any:
         return self.pressure.sum(axis=-1) * self.grid.cell_area
+
+    @property
+    def wrenches(self) -> dict[str, Wrench]:
+        """Wrench of its contacts about the origin of the patch's link, by the link's name.
+
+        Raises InputError for an estimate of several readings: take those of ``estimate[i]``.
+        """
+        if self.is_batch:
+            raise InputError(
+                f"wrenches are of one reading, and this estimate is of {len(self)}, expected one: "
+                "take those of estimate[i]"
+            )
+        patch = self.grid.patch
+        wrench = Wrench.of(self.contacts, patch.link_from_patch, int(self.stamp_ns))
+        return {patch.link: wrench}
 
     @property
     def indentation(self) -> Floats:

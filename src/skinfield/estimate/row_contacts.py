@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats
 from skinfield.estimate.contact import Contact
-from skinfield.skin import Grid
+from skinfield.skin import Grid, Patch
 from skinfield.skin.flattening import Surface
 
 CONTACT = np.dtype(
@@ -180,14 +180,16 @@ def contacts_of_rows(
         pressed = np.flatnonzero(pressure > 0.0)
         nearest = _nearest(rows, grid.plane[pressed]) if len(rows) else pressed
         cells = [pressed[nearest == place] for place in range(len(rows))]
-    return tuple(_contact(grid, row, its) for row, its in zip(rows, cells, strict=True))
+    patch = grid.patch
+    return tuple(contact_of_row(patch, row, its) for row, its in zip(rows, cells, strict=True))
 
 
-def _contact(grid: Grid, row: Any, cells: NDArray[np.int64]) -> Contact:
+def contact_of_row(patch: Patch, row: Any, cells: NDArray[np.int64]) -> Contact:
+    """Contact of a patch, as its row of `CONTACT` states it; with its nodes of a grid."""
     area, radius = float(row["area"]), float(row["radius"])
     axes, angle = ellipse_of(row)
     return Contact.later(
-        Outline(grid.patch.surface, row),
+        Outline(patch.surface, row),
         position=np.array(row["position"]),
         force=0.0 + force_of(row),
         moment=np.zeros(3),
@@ -203,6 +205,7 @@ def _contact(grid: Grid, row: Any, cells: NDArray[np.int64]) -> Contact:
         cells=cells,
         maybe=int(row["maybe"]),
         track_id=int(row["track"]) or None,
+        link=patch.link,
     )
 
 
@@ -216,6 +219,11 @@ class Outline(NamedTuple):
     def force_covariance(self) -> Floats:
         """See `force_covariance_of`."""
         return force_covariance_of(self.surface, self.row)
+
+    @property
+    def tangents(self) -> Floats:
+        """See `_tangents`."""
+        return _tangents(self.surface, self.row)
 
     @property
     def outline(self) -> Floats:

@@ -61,6 +61,13 @@ class TrackedContact(Contact):
     is_coasting: bool
     measured: Contact
 
+    def moved(self, pose: Floats) -> "TrackedContact":
+        """See `Contact.moved`; `velocity` turns, and `measured` moves as well."""
+        known = vars(super().moved(pose))
+        rest = known.pop("_rest")
+        measured, velocity = self.measured.moved(pose), pose[:3, :3] @ self.velocity
+        return TrackedContact.later(rest, **known, measured=measured, velocity=velocity)
+
     @property
     def speed(self) -> float:
         """Of the place along the skin, m/s."""

@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError
-from skinfield.estimate import Estimate
+from skinfield.estimate import Estimate, Wrench
+from skinfield.estimate.row_contacts import contact_of_row
+from skinfield.estimate.wrench import wrenches_by_link
 from skinfield.files.mcap.schema import CycleFlag
 from skinfield.loop.model_config import ModelConfig, Models
 from skinfield.loop.slots import CycleHead, CycleSlot
@@ -177,6 +179,28 @@ class Snapshot(Pictured, Mapping[str, Estimate]):
     def prepare(self) -> None:
         """Prepare deformation and uncertainty, of this cycle and those after it; takes seconds."""
         _ = self._models.rungs
+
+    @property
+    def wrenches(self) -> dict[str, Wrench]:
+        """Wrench of all contacts on each link, about its origin and in its frame, with its age.
+
+        A link is there once all of its patches have an answer.
+        """
+        skin, answers = self.model_config.skin, self.patches["answer"].tolist()
+        missing = {
+            patch.link
+            for patch, answer in zip(skin, answers, strict=True)
+            if answer == int(Answer.MISSING)
+        }
+        ages, none, each = self.ages(), np.empty(0, np.int64), []
+        for place, patch in enumerate(skin):
+            if patch.link not in missing:
+                rows = self.contacts[self.contacts["patch"] == place]
+                contacts = [contact_of_row(patch, row, none) for row in rows]
+                stamp = int(self.patches["stamp_ns"][place])
+                known = patch.link_from_patch, stamp, ages[patch.name]
+                each.append((patch.link, Wrench.of(contacts, *known)))
+        return wrenches_by_link(each)
 
     def indentation(self, name: str) -> Floats | None:
         """Displacement of a patch into the skin, (K,) m; None until it is prepared."""

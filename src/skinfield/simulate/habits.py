@@ -10,9 +10,8 @@ import numpy as np
 from skinfield.elastic import Layer, StandardLinearSolid
 from skinfield.errors import Floats, check_choice
 from skinfield.settings import Range, Section
-from skinfield.simulate.electronics.array import Defects, Electronics
+from skinfield.simulate.electronics.array import Defects, Electronics, Hysteresis
 from skinfield.simulate.electronics.board import CySkinBoard
-from skinfield.simulate.electronics.hysteresis import Hysteresis
 from skinfield.simulate.indenters.finger import Finger
 from skinfield.skin import Patch
 

@@ -14,11 +14,9 @@ from skinfield.errors import Floats
 from skinfield.estimate import Contact, ModelError, PressureError, PressureNoise
 from skinfield.estimate.live_contacts import CONTACT
 from skinfield.estimate.row_contacts import contacts_of_rows, pressure_std_of_rows
-from skinfield.solve.atoms.atom_fit import AtomFit
 from skinfield.solve.atoms.fit_data import FitData
-from skinfield.solve.atoms.fitter import ContactFitter
+from skinfield.solve.atoms.fitter import AtomFit, ContactFitter, FitSettings
 from skinfield.solve.atoms.render import AtomRenderer
-from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.idle_kernel import WIDE, WideLoads
 from skinfield.solve.operator import EXACT, Data, DeadlineMargin, Solution
 from skinfield.solve.packed import Packed

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from skinfield.errors import Floats
 from skinfield.estimate.row_contacts import force_of
+from skinfield.estimate.wrench import moments_about_origin
 from skinfield.loop import Answer
 from skinfield.loop.snapshot import Snapshot
 from skinfield.skin import Grid, Patch, Skin
@@ -100,7 +101,8 @@ def wrench_of(
     share = pressure[mine] / total
     forces = -force * share[:, None] * grid.normals[mine]
     arms = grid.positions[mine] - share @ grid.positions[mine]
-    return forces.sum(axis=0), np.cross(arms, forces).sum(axis=0)
+    wrench = moments_about_origin(arms, forces)
+    return wrench[:3], wrench[3:]
 
 
 def belongs(positions: Floats, beside: NDArray[Any], row: Any, pitch: float) -> NDArray[np.bool_]:

@@ -245,7 +245,7 @@ def check_free(session: Any, part: Keys) -> None:
         if time.monotonic() > end:
             raise InputError(
                 f"{part} is published already, expected a name of its own for each engine: "
-                "give another --name or --robot"
+                "give another --name or --robot-name"
             )
         time.sleep(0.2)
 

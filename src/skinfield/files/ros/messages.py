@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from skinfield.errors import Floats
 from skinfield.estimate.row_contacts import force_of, shape_name
+from skinfield.estimate.wrench import moments_about_origin
 from skinfield.files.ros import kinds as K
 from skinfield.files.ros.kinds import Kinds
 from skinfield.files.ros.names import Topics, frame_of
@@ -151,11 +152,10 @@ class SkinMessages:
         if "wrench" in wanted:  # the sum of a patch's, with the moment about the link's origin
             for place in np.flatnonzero(fresh).tolist():
                 its = [each for each in news if each.patch == place]
-                force = np.sum([np.zeros(3), *(each.force for each in its)], axis=0)
-                torques = [np.cross(each.position, each.force) for each in its]
-                torque = np.sum([np.zeros(3), *torques], axis=0)
+                places = [each.position for each in its]
+                wrench = moments_about_origin(places, [each.force for each in its])
                 stamped = place, stamps_ns[place], self._frames[place]
-                yield self._wrench_stamped("wrench", *stamped, force, torque)
+                yield self._wrench_stamped("wrench", *stamped, wrench[:3], wrench[3:])
 
     def _contact(self, contact: Placed) -> Any:
         row, track = contact.row, int(contact.row["track"])

@@ -279,7 +279,7 @@ class Engine:
             overrun=self.spent > self._granted,
         )
         return Estimates(
-            self.names,
+            {patch.name: patch.link for patch in self.skin},
             lambda name: estimate_of(
                 *(work, self.finder, self._ordered.index(name), self._grid_of),
                 *(stamp_ns, report, self.relative),

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.errors import Floats, InputError, Ints
-from skinfield.estimate import ContactFinder, Estimate
+from skinfield.estimate import Contact, ContactFinder, Estimate, Wrench
+from skinfield.estimate.wrench import wrenches_by_link
 from skinfield.reconstruct.engine.patch_kinds import PatchGroup
 from skinfield.reconstruct.engine.report import CycleReport
 from skinfield.reconstruct.engine.state import FEASIBLE, LINEAR
@@ -219,8 +220,8 @@ class Estimates(Mapping[str, Estimate]):
 
     Parameters
     ----------
-    names : sequence of str
-        Of the skin's patches, in its order.
+    links : mapping of str to str
+        Names of the skin's patches, in its order, and of their links.
     estimate_of : function of a name
         Copies the estimate of a patch.
     is_last : function
@@ -230,13 +231,13 @@ class Estimates(Mapping[str, Estimate]):
 
     def __init__(
         self,
-        names: Sequence[str],
+        links: Mapping[str, str],
         estimate_of: Callable[[str], Estimate],
         is_last: Callable[[], bool],
         report: CycleReport,
     ) -> None:
         self.report = report
-        self._names, self._estimate_of, self._is_last = names, estimate_of, is_last
+        self._links, self._estimate_of, self._is_last = links, estimate_of, is_last
         self._made: dict[str, Estimate] = {}
 
     def __getitem__(self, name: str) -> Estimate:
@@ -250,10 +251,26 @@ class Estimates(Mapping[str, Estimate]):
 
     def __iter__(self) -> Iterator[str]:
         missing = set(self.report.missing)
-        return (name for name in self._names if name not in missing)
+        return (name for name in self._links if name not in missing)
 
     def __len__(self) -> int:
         return len(self.report.names) - len(self.report.missing)
+
+    @property
+    def contacts(self) -> tuple[Contact, ...]:
+        """Contacts of all patches, by falling normal force; each knows its link."""
+        found = [contact for estimate in self.values() for contact in estimate.contacts]
+        return tuple(sorted(found, key=lambda contact: -contact.normal_force))
+
+    @property
+    def wrenches(self) -> dict[str, Wrench]:
+        """Wrench of all contacts on each link, about its origin and in its frame.
+
+        A link is there once all of its patches are answered in this cycle.
+        """
+        missing = {self._links[name] for name in self.report.missing}
+        each = [pair for estimate in self.values() for pair in estimate.wrenches.items()]
+        return wrenches_by_link(pair for pair in each if pair[0] not in missing)
 
     def keep(self) -> "Estimates":
         """Copy all estimates now, so that they outlast the engine's next cycle."""

@@ -3,6 +3,7 @@
 from skinfield.simulate.electronics.array import Defect as Defect
 from skinfield.simulate.electronics.array import Defects as Defects
 from skinfield.simulate.electronics.array import Electronics as Electronics
+from skinfield.simulate.electronics.array import Hysteresis as Hysteresis
 from skinfield.simulate.electronics.array import TaxelArray as TaxelArray
 from skinfield.simulate.electronics.array import cyskin_electronics as cyskin_electronics
 from skinfield.simulate.electronics.array import icub_electronics as icub_electronics
@@ -15,6 +16,5 @@ from skinfield.simulate.electronics.board import LinearBoard as LinearBoard
 from skinfield.simulate.electronics.delivery import CrossTalk as CrossTalk
 from skinfield.simulate.electronics.delivery import Delivery as Delivery
 from skinfield.simulate.electronics.delivery import Sampling as Sampling
-from skinfield.simulate.electronics.hysteresis import Hysteresis as Hysteresis
 from skinfield.simulate.electronics.noise import Noise as Noise
 from skinfield.simulate.electronics.noise import ThermalDrift as ThermalDrift

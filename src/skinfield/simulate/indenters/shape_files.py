@@ -61,8 +61,7 @@ def load_mesh(
     """
     check_positive("unit", unit, "metres of one unit of the file, 1e-3 for millimetres")
     turn = _upright_from_file(down)
-    path, content = _read(path, MESHES, "a triangle mesh")
-    vertices, faces = _triangles(path, content)
+    path, (vertices, faces) = Path(path), read_triangles(path)
     corners = corners_of(vertices, faces)
     if not np.isfinite(corners).all():
         bad = int(np.count_nonzero(~np.isfinite(corners).all(axis=1)))
@@ -77,7 +76,9 @@ def load_mesh(
         raise FileError(f"{path}: {error}") from error
 
 
-def _triangles(path: Path, content: bytes) -> tuple[Floats, Any]:
+def read_triangles(path: str | Path) -> tuple[Floats, Any]:
+    """Corners (V, 3), in the file's unit, and faces (F, 3) of a mesh; raises as `load_mesh`."""
+    path, content = _read(path, MESHES, "a triangle mesh")
     try:
         import trimesh
     except ImportError as error:

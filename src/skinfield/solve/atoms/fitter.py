@@ -1,12 +1,17 @@
 """Contact fit of a patch: what is prepared, its memory, and the answer of one reading."""
 
+from dataclasses import dataclass, replace
+from typing import Annotated
+
 import numpy as np
 from numpy.typing import NDArray
 
 from skinfield.elastic import ObservationModel
-from skinfield.errors import Floats, InputError
+from skinfield.errors import Floats, InputError, Ints, check_type
+from skinfield.estimate.row_contacts import moved_rows
 from skinfield.plot import plural
-from skinfield.solve.atoms.atom_fit import AtomFit
+from skinfield.settings import Positive, Range, Section
+from skinfield.skin import Grid
 from skinfield.solve.atoms.dictionary import MARGIN, Templates, make_templates
 from skinfield.solve.atoms.fit_data import FitData
 from skinfield.solve.atoms.fit_kernel import MOST, NOW, SHEAR_STD, STEPS, FitModel, Priors
@@ -24,7 +29,6 @@ from skinfield.solve.atoms.reading_memory import (
     ReadingRules,
 )
 from skinfield.solve.atoms.render import AtomRenderer
-from skinfield.solve.atoms.settings import FitSettings
 from skinfield.solve.atoms.table import atom_tables
 from skinfield.solve.packed import Packed
 
@@ -36,6 +40,67 @@ STRIPS_NOTE = (
 STOPPED = "ContactFit stopped"  # begins a note of one reading alone
 HIGHEST = 0.99  # probability that a note states at most
 MANY, UNLIKE = 10, 0.02  # presses, of which a model error as large is worth a note
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitSettings(Section):
+    """What `ContactFit` goes by; its parameters are listed there."""
+
+    most_contacts: Annotated[int, Range(1, 64, "atoms that are sought")] = 8
+    false_alarm_rate: Annotated[float, Range(1e-12, 0.5, "a share of readings")] = 1e-3
+    typical_radius: Annotated[float, Positive("of what touches, in metres")] = 6e-3
+    model_error: Annotated[float, Range(0.0, 0.5, "part of the highest reading")] = 0.02
+    starts: Annotated[int, Range(1, 64, "places from which each is sought")] = 8
+    warm: bool = True
+    common_mode: Annotated[float, Range(0.0, 1e6, "in standard deviations of the noise")] = 5.0
+    check_mechanics: bool = True
+
+    def check(self) -> None:
+        """See `Section`."""
+        check_type("check_mechanics", self.check_mechanics, bool, "whether others are compared")
+        check_type("warm", self.warm, bool, "whether to start from the reading before")
+
+
+@dataclass(frozen=True, eq=False)
+class AtomFit:
+    """What a contact fit makes of one reading; the displacement is drawn when it is asked for.
+
+    Attributes
+    ----------
+    renderer : AtomRenderer
+    grid : Grid
+        On which the contacts stand.
+    rows : (N,) array of CONTACT
+        By falling force.
+    atoms : (M, 8) array
+        As they are drawn; see `rows_kernel.Drawing`.
+    family : (M,) int array
+    predicted : (L,) array, in the quantity's unit
+        What the taxels would read of them, with an offset that all share.
+    parameters : int
+        Numbers that were fitted.
+    """
+
+    renderer: AtomRenderer
+    grid: Grid
+    rows: NDArray[np.void]
+    atoms: Floats
+    family: Ints
+    predicted: Floats
+    parameters: int
+
+    def keep(self) -> "AtomFit":
+        """Itself: nothing overwrites it."""
+        return self
+
+    def on(self, grid: Grid, shift: Floats) -> "AtomFit":
+        """The same on a patch of equal geometry, whose plane is shifted by (2,) m."""
+        return replace(self, grid=grid, rows=moved_rows(self.rows, grid, shift))
+
+    @property
+    def displacement(self) -> Floats:
+        """Of the nodes in the patch's frame, (K, 3) m."""
+        return self.renderer.displacement(self.atoms, self.family)
 
 
 def significant(false_alarm_rate: float, taxels: int) -> float:

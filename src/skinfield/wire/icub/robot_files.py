@@ -25,23 +25,23 @@ YES, NO = ("true", "1"), ("false", "0")
 HIGHEST_CHANNEL = 1 << 20
 
 
-def read_tree(path: Path) -> Element:
-    """Root element of a file, its elements with their `WHERE`.
+def read_tree(path: Path, largest: int = LARGEST) -> Element:
+    """Root element of a file of at most so many bytes, its elements with their `WHERE`.
 
     Raises
     ------
     FileError
-        If it cannot be read, is larger than 1 MiB, is no XML, or declares entities.
+        If it cannot be read, is larger, is no XML, or declares entities.
     """
     name = str(path)
     try:
         with path.open("rb") as file:
-            data = file.read(LARGEST + 1)
+            data = file.read(largest + 1)
     except (OSError, ValueError) as error:  # ValueError: a name that no file can have
         reason = getattr(error, "strerror", None) or error
         raise FileError(f"{name}: cannot be read: {reason}") from error
-    if len(data) > LARGEST:
-        raise FileError(f"{name}: larger than {LARGEST} bytes, expected a robot's XML file")
+    if len(data) > largest:
+        raise FileError(f"{name}: larger than {largest} bytes, expected a robot's XML file")
     builder, parser = TreeBuilder(), expat.ParserCreate()
 
     def start(tag: str, attributes: dict[str, str]) -> None:
