@@ -301,6 +301,16 @@ def test_taxels_on_a_line_are_a_flat_strip() -> None:
     check_way_back(inwards)
 
 
+@pytest.mark.parametrize("apart", [5e-3, 20e-3])
+def test_two_rows_around_a_cylinder_are_no_sphere(apart: float) -> None:
+    angle = np.tile(np.linspace(-np.pi / 2, np.pi / 2, 13), 2)
+    normals = np.column_stack([np.sin(angle), np.zeros(26), np.cos(angle)])
+    positions = 30e-3 * normals
+    positions[:, 1] = np.repeat([-apart / 2, apart / 2], 13)
+    surface = sf.Patch(positions=positions, normals=normals, pad_diameter=2e-3).surface
+    assert np.ptp(surface.plane, axis=0).max() == pytest.approx(np.pi * 30e-3, rel=1e-6)
+
+
 def test_one_row_around_a_cylinder_is_a_straight_strip() -> None:
     patch = panel(np.pi, length=1e-3)
     assert not patch.surface.is_flat

@@ -95,6 +95,21 @@ def test_rests_are_known_no_worse_while_something_is_held() -> None:
     assert np.abs(drift.rest).max() < 0.4 * NOISE
 
 
+def test_a_taxel_that_was_not_read_at_first_is_held_as_it_reads_later() -> None:
+    rng, touch, drift = np.random.default_rng(6), np.full(72, 30 * NOISE), drift_of()
+    noise, valid = rng.normal(0.0, NOISE, (300, 72)), np.ones((300, 72), np.bool_)
+    valid[101:125, 3] = False  # of the 25 that tell what is held
+    valid[101:140, 4] = False
+    follow(drift, noise[:100])
+    for k in range(100, 300):
+        stamp = int(drift._stamps[0]) + STEP_NS
+        drift.take(touch + noise[k], stamp)
+        drift.learn(valid[k], stamp, touch, 0.01, 1)
+    held = drift._state[2]
+    assert np.abs(held[3:5] / touch[3:5] - 1.0).max() < 0.02
+    assert np.abs(drift.rest[3:5]).max() < 0.4 * NOISE
+
+
 def test_a_reading_is_learnt_from_once() -> None:
     drift, every, rng = drift_of(), np.ones(72, np.bool_), np.random.default_rng(5)
     follow(drift, rng.normal(0.0, NOISE, (100, 72)))

@@ -185,6 +185,12 @@ def test_skin_is_in_the_frames_of_its_links(tmp_path: Path) -> None:
         robot_of(tmp_path, LINKS + ARM, skin={"fore": 3})
 
 
+def test_equal_layouts_on_a_link_have_names_of_their_own(tmp_path: Path) -> None:
+    skin = {"upper": ["hexagon72", "hexagon72"], "fore": "hexagon72"}
+    robot = robot_of(tmp_path, LINKS + ARM, skin=skin)
+    assert [patch.name for patch in robot.skin] == ["upper/hexagon72", "upper/hexagon72-2", "fore"]
+
+
 def test_the_nearest_mesh_tells_the_link(tmp_path: Path) -> None:
     """Two plates as meshes, 5 mm apart: distances are known, and so is the link."""
     pytest.importorskip("trimesh")

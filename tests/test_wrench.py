@@ -1,9 +1,10 @@
 """Wrenches: their sums, another origin, and how often their covariance holds what is drawn."""
 
 import numpy as np
+import pytest
 
 from skinfield.estimate import Contact, Wrench
-from skinfield.estimate.wrench import SHEAR_STD
+from skinfield.estimate.wrench import SHEAR_STD, wrenches_by_link
 from skinfield.solve.atoms import fit_kernel
 
 
@@ -52,3 +53,12 @@ def test_intervals_hold_what_is_drawn() -> None:
     share = inside.mean(axis=0)
     assert (share > 0.87).all()
     assert (share < 0.93).all()
+
+
+def test_patches_on_no_link_have_no_common_wrench_and_none_changes_in_place() -> None:
+    wrench = Wrench.of([contact([1.0, 0.0, 0.0], [0.0, 0.0, 1.0], 2.0)], np.eye(4), 1)
+    by_link = wrenches_by_link([("", wrench), ("arm", wrench), ("arm", wrench), ("", wrench)])
+    assert list(by_link) == ["arm"]
+    np.testing.assert_allclose(by_link["arm"], 2.0 * wrench)
+    with pytest.raises(TypeError):
+        wrench += 1.0

@@ -28,7 +28,7 @@ class Chart:
         from scipy.spatial import cKDTree
 
         self.patch, self.surface = grid.patch, grid.patch.surface
-        self._plane = grid.plane
+        self._plane, self.height = grid.plane, grid.height
         zero = np.zeros((1, 2))
         self._flat = bool(self.surface.is_flat)
         self._origin = self.surface.position_from_plane(zero)[0]
@@ -55,8 +55,10 @@ class Chart:
             return np.asarray((positions - self._origin) @ self._axes)
         plane = self._plane[self._nodes.query(positions)[1]]
         for _ in range(MOST):
+            frames = self.surface.frame_from_plane(plane)
             off = positions - self.surface.position_from_plane(plane)
-            tangents = self.surface.frame_from_plane(plane)[:, :, :2]
+            off -= self.height * frames[:, :, 2]
+            tangents = frames[:, :, :2]
             step = np.einsum("nij,ni->nj", tangents, off)
             plane = plane + step
             if np.abs(step).max(initial=0.0) < CLOSE:
@@ -102,8 +104,8 @@ def contacts_of(
     if not measured:
         return []
     means, covariances = tracks["mean"], tracks["covariance"]
-    positions = chart.surface.position_from_plane(means[:, :2])
     frames = chart.surface.frame_from_plane(means[:, :2])
+    positions = chart.surface.position_from_plane(means[:, :2]) + chart.height * frames[:, :, 2]
     velocities = np.einsum("nij,nj->ni", frames[:, :, :2], means[:, 3:5])
     forces = np.array([contact.normal_force for contact in measured])
     pushed = forces > 0.0

@@ -29,6 +29,8 @@ class LinkChart:
         Of taxels: every half of it a place is remembered.
     """
 
+    height = 0.0  # m of contacts over the surface that it knows
+
     def __init__(self, spacing: float) -> None:
         self.spacing = spacing
         self._planes = 0

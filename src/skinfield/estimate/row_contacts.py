@@ -81,7 +81,12 @@ def outline_of(surface: Surface, row: Any) -> Floats:
     c, s = math.cos(angle), math.sin(angle)
     x, y = float(row["x"]), float(row["y"])
     plane = np.column_stack([x + c * u - s * v, y + s * u + c * v])
-    return np.asarray(surface.position_from_plane(plane))
+    if surface.is_flat:
+        return np.asarray(surface.position_from_plane(plane))
+    middle = surface.position_from_plane(np.array([[x, y]]))[0]
+    height = float((row["position"] - middle) @ row["normal"])  # of where pressure acts
+    normals = surface.frame_from_plane(plane)[:, :, 2]
+    return np.asarray(surface.position_from_plane(plane) + height * normals)
 
 
 def covariance_of(row: Any) -> Floats:

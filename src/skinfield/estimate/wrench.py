@@ -141,6 +141,8 @@ class Wrench(NDArrayOperatorsMixin):
 
     def __array_ufunc__(self, ufunc: Any, method: str, *inputs: Any, **settings: Any) -> Any:
         """Arithmetic, which makes plain arrays."""
+        if any(isinstance(each, Wrench) for each in settings.get("out", ())):
+            return NotImplemented  # it does not change
         plain = [each.values if isinstance(each, Wrench) else each for each in inputs]
         return getattr(ufunc, method)(*plain, **settings)
 
@@ -170,8 +172,10 @@ def covariance_of_contact(contact: Contact) -> Floats:
 
 
 def wrenches_by_link(wrenches: Iterable[tuple[str, Wrench]]) -> dict[str, Wrench]:
-    """Wrench of each link, which is the sum of those of its patches."""
+    """Wrench of each link, which is the sum of those of its patches; of patches on none, none."""
     by_link: dict[str, list[Wrench]] = {}
     for link, wrench in wrenches:
+        if not link:
+            continue  # whose frames have nothing to do with each other
         by_link.setdefault(link, []).append(wrench)
     return {link: Wrench.sum(its) for link, its in by_link.items()}

@@ -101,7 +101,8 @@ class Updater:
         self.sizes = Sizes.of(model_config.skin, model_config.rungs, model_config.rows)
         taxels, patches = self.sizes.taxels, self.sizes.patches
         self._values, self._valid = np.zeros(taxels), np.zeros(taxels, np.bool_)
-        self._given, self._lacking = np.zeros(taxels, np.bool_), np.zeros(taxels)
+        self._given, self._learnt = np.zeros((2, taxels), np.bool_)
+        self._lacking = np.zeros(taxels)
         self._plane = np.concatenate([patch.plane for patch in model_config.skin])
         self._sides = np.array(model_config.rungs, np.int64)
         self._newest, self._arrived, self._searched = np.zeros((3, patches), np.int64)
@@ -279,7 +280,7 @@ class Updater:
             np.copyto(self._searched, self._newest, where=self._arrived > 0)
         else:
             self._search_further(budget)
-        self._take_answers(now_ns)
+        self._take_answers(now_ns, fresh > 0)
         head[CycleHead.CONTACTS] = self._kernel.sum_up(
             kept.patches, kept.contacts, int(self.tracks[0])
         )
@@ -307,9 +308,13 @@ class Updater:
         self._drift.learn_idle(self._given, self._idle, self._newest)
 
     def _search_further(self, budget: float | None) -> None:
-        """Spend a cycle without a reading on answers of the last ones that want for time."""
+        """Spend a cycle without a reading on answers of the last ones that want for time.
+
+        They are kept when they are done: a track takes no reading for many.
+        """
         if self.engine.go_on(budget=budget):
             np.greater(self.engine.results.answer, MISSING, out=self._idle)
+            np.logical_and(self._idle, self.engine.results.settled, out=self._idle)
             np.copyto(self._arrived, self._idle)
             np.copyto(self._newest, self._searched, where=self._idle)
 
@@ -351,8 +356,8 @@ class Updater:
             self._first = first
             prefer(self.engine, self._finest, first)
 
-    def _take_answers(self, now_ns: int) -> None:
-        """Keep the answers of the patches with a new reading, and drop what is too old."""
+    def _take_answers(self, now_ns: int, fresh: bool) -> None:
+        """Keep answers of new readings, or those that are done now, and drop what is too old."""
         results, kept = self.engine.results, self._kept
         answers = results.answer, results.rung, results.gap, results.iterations, results.invalid
         when = now_ns, now_ns - KEEPS * self.stale_ns
@@ -375,10 +380,12 @@ class Updater:
             if results.answer[patch] > IDLE:
                 pressure = results.pressure_of(patch)
                 kept.pressure[patch, : len(pressure)] = pressure
+            its = slice(*self._binding.starts[patch : patch + 2])
+            if fresh:
+                self._learnt[its] = self._given[its]
             ended = results.settled[patch]  # else what was not found yet would be drift
             if self._follows and ended and results.answer[patch] == FOUND:
-                its = slice(*self._binding.starts[patch : patch + 2])
-                known = self._given[its], int(self._newest[patch]), *results.explained_of(patch)
+                known = self._learnt[its], int(self._newest[patch]), *results.explained_of(patch)
                 self._drift.learn(*known, patch)
             found = self._contacts.find(patch, int(self._newest[patch]), rows)
             count = min(found, len(rows))

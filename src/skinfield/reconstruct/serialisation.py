@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from skinfield.elastic import Layer, Mechanics, Quantity
+from skinfield.elastic.observation import on_surface
 from skinfield.errors import FileError, InputError
 from skinfield.estimate import ContactFinder
 from skinfield.reconstruct.reconstructor import Reconstructor
@@ -213,7 +214,8 @@ class ReconstructorConfig:
             made = Grid(parts["patch"], shape, pitch, np.asarray(origin))
         except Exception as error:
             raise FileError(f"grid is {str(grid)[:80]}, expected shape, pitch, origin") from error
-        return cls(grid=made, **parts)
+        grid = on_surface(made, parts["layer"], parts["mechanics"])
+        return cls(grid=grid, **parts)
 
 
 def checksum(plain: Any) -> str:

@@ -72,15 +72,18 @@ def _distinct(patches: list[Patch]) -> tuple[Patch, ...]:
     """Patches under names that are there once: those that are not are called by their links."""
     count = Counter(patch.name for patch in patches)
     on_link = Counter(patch.link for patch in patches)
-    return tuple(
-        patch
-        if count[patch.name] == 1
-        else replace(
-            patch,
-            name=patch.link if on_link[patch.link] == 1 else f"{patch.link}/{patch.name}",
-        )
-        for patch in patches
-    )
+    taken, named = {name for name in count if count[name] == 1}, []
+    for patch in patches:
+        name = patch.name
+        if count[name] > 1:
+            own = patch.link if on_link[patch.link] == 1 else f"{patch.link}/{patch.name}"
+            name, number = own, 1
+            while name in taken:
+                number += 1
+                name = f"{own}-{number}"
+            taken.add(name)
+        named.append(patch if name == patch.name else replace(patch, name=name))
+    return tuple(named)
 
 
 def _link_of(robot: Robot, patch: Patch, part: str) -> tuple[str, str]:

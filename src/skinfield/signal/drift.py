@@ -30,6 +30,7 @@ RECENT = 0.1  # weight of a reading in the mean of the recent ones, by which cha
 CHANGE = 5.0  # deviations of the sum of squares, from which on a pattern has changed
 READ = 2.0  # deviations from which on a taxel is one of a pattern
 LASTING = 10  # readings after which another number of contacts is believed
+UNSEEN = 1e6  # variance over the noise's, of what a taxel that was not read yet holds
 LAG = 1.0  # deviations by which rests may be behind their drift
 
 Flags = NDArray[np.bool_]
@@ -124,11 +125,17 @@ def follow_rest(
     if (contacts > 0 or marks[0] > 0) and marks[0] < SETTLED:
         marks[0] += 1
         for taxel in range(len(rest)):
+            own = noise[taxel] * noise[taxel]
+            if marks[0] == 1:
+                unsure[taxel] = UNSEEN * own
             if valid[taxel]:
-                held[taxel] += (left[taxel] - held[taxel]) / marks[0]
+                gain = unsure[taxel] / (unsure[taxel] + own)
+                held[taxel] += gain * (left[taxel] - held[taxel])
+                unsure[taxel] *= 1.0 - gain
             wrong = max(wrong, abs(predicted[taxel]))
-            unsure[taxel] = noise[taxel] * noise[taxel] / marks[0] + variance[taxel]
-            shared[taxel] = -variance[taxel]
+            if marks[0] == SETTLED:  # it was read less the rest, whose error it has
+                unsure[taxel] += variance[taxel]
+                shared[taxel] = -variance[taxel]
     rests, seconds = marks[0] == SETTLED, seconds_since(before_ns[0], stamp_ns)
     before_ns[0] = stamp_ns
     walk, wrong = min(max(seconds, 0.0), LONGEST) * USUAL / FOLLOWED**2, (misfit * wrong) ** 2

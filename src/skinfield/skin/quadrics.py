@@ -195,7 +195,11 @@ WHOLE = np.cos(np.radians(110.0))  # a sphere farther from its middle is stretch
 
 
 def round_through(points: Floats, normals: Floats) -> Sphere | Cylinder | None:
-    """The sphere or cylinder on whose outside points (M, 3) m lie, if they lie on one."""
+    """The sphere or cylinder on whose outside points (M, 3) m lie, if they lie on one.
+
+    Two rings of points about an axis lie on both: that is taken whose normals agree better.
+    """
+    ball, lean = None, 0.0
     if len(points) < FEWEST:
         return None
     middle, flat = _centre(points)
@@ -203,17 +207,20 @@ def round_through(points: Floats, normals: Floats) -> Sphere | Cylinder | None:
         upright, radius = _directions(points - middle)
         front = mean_normal(upright)
         if _fits(upright, radius, normals) and (upright @ front).min() >= WHOLE:
-            return Sphere(middle, flat_frame(front), float(radius.mean()))
+            ball = Sphere(middle, flat_frame(front), float(radius.mean()))
+            lean = np.sum(upright * normals, axis=1).mean()
     axis = np.linalg.svd(normals)[2][2]
     sides = flat_frame(axis)[:, :2]
     foot, flat = _centre(points @ sides)
     if foot is None or not flat or np.ptp(points @ axis) < EXACT:
-        return None
+        return ball
     point = sides @ foot
     across = points - point
     upright, radius = _directions(across - np.outer(across @ axis, axis))
     if not _fits(upright, radius, normals):
-        return None
+        return ball
+    if ball is not None and lean >= np.sum(upright * normals, axis=1).mean():
+        return ball
     front = _opposite_to_the_widest_gap(upright, sides)
     frame = np.column_stack([np.cross(axis, front), axis, front])
     return Cylinder(point, frame, float(radius.mean()), flat_frame(front)[:, :2])

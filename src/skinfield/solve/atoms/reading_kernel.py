@@ -178,6 +178,10 @@ def search_round(fit: Fit, error: float, common: float, resume: bool, deadline: 
         if step == 1.0 or own.marks[TURN] >= ROUNDS:
             infer(fit, common)
             return True
+        if not (step < 1.0 and own.numbers[SCALE] <= 1.0):
+            if own.marks[STAGE] == SEEKING:
+                set_aside(fit)  # an answer, should the time be up
+            memory.counts[NOW] = 0
         own.numbers[SCALE] *= step
 
 

@@ -473,6 +473,7 @@ def describe_body(
         here = pressure_at(
             drawing.atoms[:count], drawing.family[:count], grid.surface, atom[0], atom[1]
         )
+        here /= grid.spread
         area, peak = np.pi * atom[3] ** 2 + 4.0 * atom[3] * atom[4], max(peak, here)
     if members > 1:
         inside = 0
@@ -491,6 +492,8 @@ def describe_body(
             row["shape"], row["radius"] = SEGMENT, np.sqrt(area / np.pi)
     row["area"], row["normal_force"], row["x"], row["y"] = area, total, x, y
     write_covariance(drawing, count, body, row)
+    row["area"], row["area_std"] = row["area"] * grid.spread, row["area_std"] * grid.spread
+    row["radius"] *= np.sqrt(grid.spread)
     spread(grid, drawing, count, body, pressure, (low_y, high_y), peak, row)
     if members > 1 and drawing.errors[2] > UNSURE:
         widen(drawing.errors[2], row)
