@@ -101,8 +101,7 @@ class Updater:
         self.sizes = Sizes.of(model_config.skin, model_config.rungs, model_config.rows)
         taxels, patches = self.sizes.taxels, self.sizes.patches
         self._values, self._valid = np.zeros(taxels), np.zeros(taxels, np.bool_)
-        self._given, self._learnt = np.zeros((2, taxels), np.bool_)
-        self._lacking = np.zeros(taxels)
+        self._given, self._lacking = np.zeros(taxels, np.bool_), np.zeros(taxels)
         self._plane = np.concatenate([patch.plane for patch in model_config.skin])
         self._sides = np.array(model_config.rungs, np.int64)
         self._newest, self._arrived, self._searched = np.zeros((3, patches), np.int64)
@@ -380,12 +379,10 @@ class Updater:
             if results.answer[patch] > IDLE:
                 pressure = results.pressure_of(patch)
                 kept.pressure[patch, : len(pressure)] = pressure
-            its = slice(*self._binding.starts[patch : patch + 2])
-            if fresh:
-                self._learnt[its] = self._given[its]
             ended = results.settled[patch]  # else what was not found yet would be drift
-            if self._follows and ended and results.answer[patch] == FOUND:
-                known = self._learnt[its], int(self._newest[patch]), *results.explained_of(patch)
+            if self._follows and fresh and ended and results.answer[patch] == FOUND:
+                its = slice(*self._binding.starts[patch : patch + 2])
+                known = self._given[its], int(self._newest[patch]), *results.explained_of(patch)
                 self._drift.learn(*known, patch)
             found = self._contacts.find(patch, int(self._newest[patch]), rows)
             count = min(found, len(rows))
